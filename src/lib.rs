@@ -1,0 +1,2 @@
+//! pdss: pre-integrated deferred subsurface scattering on Vulkan.
+#![deny(unsafe_code)]
