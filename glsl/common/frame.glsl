@@ -1,0 +1,43 @@
+// What every stage knows: camera, lights, profile. Mirrored by src/frame/uniforms.rs; tests/layout.rs holds the two together.
+// View space: millimetres, +x right, +y up, -z forward. Distances along the view axis are stored positive.
+#extension GL_EXT_scalar_block_layout : require
+
+#define MAX_LEVELS 6
+
+layout(set = 0, binding = 0, scalar) uniform FrameBlock {
+    mat4 clip_from_world;      // reversed z, [0,1], y down
+    mat4 view_from_world;      // rigid
+    mat4 world_from_view;      // rigid
+    vec2 ray_scale;            // view x,y per pixel at unit distance (perspective) or in mm (orthographic)
+    vec2 ray_offset;           // so that ray.xy = ray_scale * (pixel + .5) + ray_offset
+    ivec2 size;                // pixels
+    float perspective;         // 1 perspective, 0 orthographic
+    float pixels_per_mm;       // at unit distance: |1 / ray_scale.y|
+    vec3 origin;               // mm, world position that stored positions are relative to
+    uint light_count;
+    vec3 ambient_up;           // radiance from above, from below: a two-colour sky
+    float exposure;
+    vec3 ambient_down;
+    float curvature_scale;     // mm, the profile's length: curvature is stored as H * curvature_scale
+    vec4 level[MAX_LEVELS];    // weight rgb of the level's Gaussian, variance in mm^2 (moments)
+    vec4 mix_normal[MAX_LEVELS + 1]; // per-channel share of level i in the normal (pdss); entry 0 is the unblurred normal
+    vec4 ao[MAX_LEVELS];       // x: AO radius in mm, y: share
+    vec4 sharp;                // weight rgb of what is narrower than a pixel
+    vec4 step_mm;              // reserved for stages
+} frame;
+
+// Ray through a pixel, view space, z = -1.
+vec3 view_ray(ivec2 pixel) {
+    return vec3(frame.ray_scale * (vec2(pixel) + .5) + frame.ray_offset, -1.);
+}
+
+// View-space position (mm) of the surface seen through a pixel at distance z > 0 along the view axis.
+vec3 view_position(ivec2 pixel, float z) {
+    vec2 ray = frame.ray_scale * (vec2(pixel) + .5) + frame.ray_offset;
+    return vec3(ray * mix(1., z, frame.perspective), -z);
+}
+
+// Direction from a surface point to the eye, view space, unit.
+vec3 view_direction(vec3 position) {
+    return frame.perspective > .5 ? normalize(-position) : vec3(0., 0., 1.);
+}
