@@ -1,2 +1,9 @@
 //! pdss: pre-integrated deferred subsurface scattering on Vulkan.
 #![deny(unsafe_code)]
+#![warn(missing_docs)]
+
+pub mod gpu;
+pub mod plan;
+pub mod settings;
+pub mod shaders;
+pub mod targets;
