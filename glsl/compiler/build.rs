@@ -1,0 +1,78 @@
+//! Debian and Ubuntu ship a `libshaderc_combined.a` that combines nothing: glslang and
+//! SPIRV-Tools stay in archives of their own, and a program that links only the first
+//! ends in undefined symbols. Where that is so, link the others too. Elsewhere (a
+//! shared libshaderc, a complete archive, a build from source) do nothing.
+
+use std::{env, fs, path::Path};
+
+/// Whatever glslang's releases call their parts; those that are present are linked.
+const PARTS: [&str; 9] = [
+    "glslang",
+    "MachineIndependent",
+    "GenericCodeGen",
+    "OSDependent",
+    "OGLCompiler",
+    "HLSL",
+    "SPIRV",
+    "SPIRV-Tools-opt",
+    "SPIRV-Tools",
+];
+
+/// A function of glslang: an archive that defines it needs no help.
+const INSIDE: &str = "_ZN7glslang17InitializeProcessEv";
+
+fn main() {
+    println!("cargo::rerun-if-env-changed=SHADERC_LIB_DIR");
+    println!("cargo::rerun-if-env-changed=VULKAN_SDK");
+    if var("CARGO_CFG_TARGET_OS") != "linux" {
+        return;
+    }
+
+    // shaderc-sys looks for its archive in these places, in this order, and tells nobody
+    // which it took.
+    let directory = match (env::var("SHADERC_LIB_DIR"), env::var("VULKAN_SDK")) {
+        (Ok(directory), _) => directory,
+        (_, Ok(sdk)) => format!("{sdk}/lib"),
+        _ => format!("/usr/lib/{}-linux-gnu", var("CARGO_CFG_TARGET_ARCH")),
+    };
+    let directory = Path::new(&directory);
+    let combined = directory.join("libshaderc_combined.a");
+    println!("cargo::rerun-if-changed={}", combined.display());
+    let Ok(archive) = fs::read(&combined) else {
+        return;
+    };
+    if defines(&archive, INSIDE) {
+        return;
+    }
+
+    println!("cargo::rustc-link-search=native={}", directory.display());
+    for part in PARTS {
+        if directory.join(format!("lib{part}.a")).is_file() {
+            // Whole, because rustc names these before shaderc's archive, which needs them,
+            // and GNU ld takes from an archive only what is wanted when it comes by. What
+            // stays unused is dropped again by --gc-sections.
+            println!("cargo::rustc-link-lib=static:-bundle,+whole-archive={part}");
+        }
+    }
+}
+
+fn var(name: &str) -> String {
+    env::var(name).unwrap_or_default()
+}
+
+/// Whether an archive's symbol table lists a definition of `symbol`.
+///
+/// The table is the first member of a GNU archive, named `/`: a big-endian count, as many
+/// offsets, then the names, each closed by a zero byte. The member's header of 60 bytes
+/// follows the 8 of the archive's magic, and holds the size, in decimal, at 48.
+fn defines(archive: &[u8], symbol: &str) -> bool {
+    let table = || {
+        let header = archive.strip_prefix(b"!<arch>\n")?.get(..60)?;
+        let size: usize = str::from_utf8(&header[48..58]).ok()?.trim().parse().ok()?;
+        let member = archive.get(68..68 + size)?;
+        let count = u32::from_be_bytes(member.get(..4)?.try_into().ok()?) as usize;
+        header.starts_with(b"/ ").then_some(())?;
+        member.get(4 + 4 * count..)
+    };
+    table().is_some_and(|names| names.split(|&byte| byte == 0).any(|name| name == symbol.as_bytes()))
+}
