@@ -3,7 +3,10 @@
 //! ends in undefined symbols. Where that is so, link the others too. Elsewhere (a
 //! shared libshaderc, a complete archive, a build from source) do nothing.
 
-use std::{env, fs, path::Path};
+use std::{
+    env, fs,
+    path::{Path, PathBuf},
+};
 
 /// Whatever glslang's releases call their parts; those that are present are linked.
 const PARTS: [&str; 9] = [
@@ -28,14 +31,9 @@ fn main() {
         return;
     }
 
-    // shaderc-sys looks for its archive in these places, in this order, and tells nobody
-    // which it took.
-    let directory = match (env::var("SHADERC_LIB_DIR"), env::var("VULKAN_SDK")) {
-        (Ok(directory), _) => directory,
-        (_, Ok(sdk)) => format!("{sdk}/lib"),
-        _ => format!("/usr/lib/{}-linux-gnu", var("CARGO_CFG_TARGET_ARCH")),
+    let Some(directory) = directory() else {
+        return;
     };
-    let directory = Path::new(&directory);
     let combined = directory.join("libshaderc_combined.a");
     println!("cargo::rerun-if-changed={}", combined.display());
     let Ok(archive) = fs::read(&combined) else {
@@ -54,6 +52,24 @@ fn main() {
             println!("cargo::rustc-link-lib=static:-bundle,+whole-archive={part}");
         }
     }
+}
+
+/// Where shaderc-sys takes its archive from. It tells nobody, so this is its search over
+/// again: what the environment names, what pkg-config knows, what the system uses.
+fn directory() -> Option<PathBuf> {
+    if let Ok(named) = env::var("SHADERC_LIB_DIR") {
+        return Some(named.into());
+    }
+    if let Ok(sdk) = env::var("VULKAN_SDK") {
+        return Some(Path::new(&sdk).join("lib"));
+    }
+    if let Ok(mut found) = pkg_config::Config::new().cargo_metadata(false).probe("shaderc") {
+        if !found.link_paths.is_empty() {
+            return Some(found.link_paths.swap_remove(0));
+        }
+    }
+    let multiarch = format!("/usr/lib/{}-linux-gnu", var("CARGO_CFG_TARGET_ARCH"));
+    [&multiarch, "/usr/lib64", "/usr/lib"].into_iter().map(PathBuf::from).find(|path| path.is_dir())
 }
 
 fn var(name: &str) -> String {
