@@ -30,15 +30,14 @@ fn main() {
     if var("CARGO_CFG_TARGET_OS") != "linux" {
         return;
     }
-
     let Some(directory) = directory() else {
         return;
     };
     let combined = directory.join("libshaderc_combined.a");
-    println!("cargo::rerun-if-changed={}", combined.display());
     let Ok(archive) = fs::read(&combined) else {
         return;
     };
+    println!("cargo::rerun-if-changed={}", combined.display());
     if defines(&archive, INSIDE) {
         return;
     }
