@@ -93,6 +93,8 @@ fn compile(file: &Path, root: &Path) -> Vec<Compiled> {
 fn options(root: &Path) -> shaderc::CompileOptions<'static> {
     let mut options = shaderc::CompileOptions::new().expect("shaderc starts");
     options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_3 as u32);
+    // 1.6 would state workgroup sizes by id, which needs maintenance4.
+    options.set_target_spirv(shaderc::SpirvVersion::V1_5);
     options.set_optimization_level(shaderc::OptimizationLevel::Performance);
     // Debug information keeps the names, by which resources are bound.
     options.set_generate_debug_info();
