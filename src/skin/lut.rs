@@ -24,8 +24,6 @@ use rayon::prelude::*;
 
 /// Width and height of a table, in texels. The width is odd, so that a texel's centre lies at mu = 0.
 pub const SIZE: [u32; 2] = [129, 64];
-/// |mu| where the two pieces of the u axis meet, half way from the middle to either end.
-pub const MU_BREAK: f64 = 0.125;
 /// The curvature of the middle of the v axis, times the mean radius of the widest channel.
 pub const KNEE: f64 = 0.6;
 /// A curvature that counts as infinite, 1/mm: its quotient is 1 in f32 and f64 alike.
@@ -62,13 +60,11 @@ impl Lut {
         let knee_per_mm = if length > 0.0 { KNEE / length } else { 1.0 };
         let exact = Exact::new(profile, integral);
         let [width, height] = SIZE;
-        let texel = |index: u32| {
-            let mu = mu_of(f64::from(index % width) / f64::from(width - 1));
-            let v = f64::from(index / width) / f64::from(height - 1);
-            let [r, g, b] = exact.at(mu, knee_per_mm * v / (1.0 - v)).map(|x| f16::from_f64(x).to_f32());
-            [r, g, b, 1.0]
-        };
-        Lut { size: SIZE, texels: (0..width * height).into_par_iter().map(texel).collect(), knee_per_mm }
+        let rows = (0..height).into_par_iter().flat_map_iter(|y| {
+            let v = f64::from(y) / f64::from(height - 1);
+            row(&exact.at_curvature(knee_per_mm * v / (1.0 - v)), width)
+        });
+        Lut { size: SIZE, texels: rows.collect(), knee_per_mm }
     }
 
     /// Texture coordinates, 0..1 with texel centres at half texels, of `mu` and `curvature` (1/mm, its sign ignored).
@@ -98,6 +94,24 @@ impl Lut {
     }
 }
 
+/// A row of texels of one curvature's D(mu).
+///
+/// Whatever the kernel, D(mu) - D(-mu) is linear in mu, since max(0, x) - max(0, -x) is x: half a row gives the other.
+fn row(exact: &AtCurvature, width: u32) -> Vec<[f32; 4]> {
+    let [from, to] = [exact.at(-1.0), exact.at(1.0)];
+    let mut texels = vec![[0.0, 0.0, 0.0, 1.0]; width as usize];
+    let last = texels.len() - 1;
+    for i in 0..=last / 2 {
+        let away = -mu_of(i as f64 / last as f64);
+        let dark = exact.at(-away);
+        for c in 0..3 {
+            texels[i][c] = f16::from_f64(dark[c]).to_f32();
+            texels[last - i][c] = f16::from_f64(dark[c] + away * (to[c] - from[c])).to_f32();
+        }
+    }
+    texels
+}
+
 /// mu of a place 0..1 along the u axis, the inverse of [`Lut::coordinate`]'s first half.
 fn mu_of(place: f64) -> f64 {
     let t = 2.0 * place - 1.0;
@@ -120,6 +134,13 @@ enum Exact {
     Ring(Vec<Gaussian>, Reading),
 }
 
+/// The same at one curvature.
+enum AtCurvature<'a> {
+    Burley([sphere::Burley; 3]),
+    Sphere(&'a [Gaussian], f64),
+    Ring(ring::Mixture),
+}
+
 impl Exact {
     fn new(profile: &Profile, integral: Integral) -> Exact {
         match (integral, &profile.shape) {
@@ -130,12 +151,25 @@ impl Exact {
         }
     }
 
-    fn at(&self, mu: f64, curvature: f64) -> [f64; 3] {
+    fn at_curvature(&self, curvature: f64) -> AtCurvature<'_> {
+        let radius_mm = curvature.recip();
         match self {
             // A delta stays one however sharp the bend: 0 times infinity is 0 here.
-            Exact::Burley(d) => d.map(|d| sphere::burley(mu, if d > 0.0 { d * curvature } else { 0.0 })),
-            Exact::Sphere(list) => sphere::exitance_normalised(mu, curvature.recip(), list),
-            Exact::Ring(list, reading) => ring::exitance(mu, curvature.recip(), list, *reading),
+            Exact::Burley(d) => {
+                AtCurvature::Burley(d.map(|d| sphere::Burley::new(if d > 0.0 { d * curvature } else { 0.0 })))
+            }
+            Exact::Sphere(list) => AtCurvature::Sphere(list, radius_mm),
+            Exact::Ring(list, reading) => AtCurvature::Ring(ring::Mixture::new(radius_mm, list, *reading)),
+        }
+    }
+}
+
+impl AtCurvature<'_> {
+    fn at(&self, mu: f64) -> [f64; 3] {
+        match self {
+            AtCurvature::Burley(channels) => std::array::from_fn(|c| channels[c].at(mu)),
+            AtCurvature::Sphere(list, radius_mm) => sphere::exitance_normalised(mu, *radius_mm, list),
+            AtCurvature::Ring(mixture) => mixture.at(mu),
         }
     }
 }

@@ -61,7 +61,7 @@ pub fn trough(curvature: f64, radius_mm: f64, falloff: Falloff) -> f64 {
 ///
 /// With a, b the concave parts of the principal curvatures: q = R^2 (3a^2 + 3b^2 + 2ab) / 32, which is R^2 (3H^2 - K)/8
 /// where both are concave, put through the bowl's own saturation. Exact for a bowl at every R and for every patch as
-/// H R -> 0; in a trough too small by .03 at most up to |k| R = 1.5 and by .2 at |k| R = 2, where the far wall appears.
+/// H R -> 0; in a trough too small by .035 at most up to |k| R = 1.5 and by .2 at |k| R = 2, where the far wall appears.
 pub fn patch(mean: f64, gauss: f64, radius_mm: f64, falloff: Falloff) -> f64 {
     // H^2 < K is no surface, only noise: it reads as an umbilic.
     let spread = (mean * mean - gauss).max(0.0).sqrt();

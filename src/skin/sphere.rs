@@ -72,45 +72,68 @@ pub fn mass(radius_mm: f64, gaussians: &[Gaussian]) -> [f64; 3] {
 /// answer depends on `mu` and `x` = d * curvature alone. `x` in 0..=infinity (a negative one counts as 0); x = 0 gives
 /// max(0, mu) to the bit. Absolute error below 1e-10.
 pub fn burley(mu: f64, x: f64) -> f64 {
-    if mu.is_nan() || x.is_nan() {
-        return f64::NAN;
-    }
-    let mu = mu.clamp(-1.0, 1.0);
-    // A millionth of a curvature-free surface scatters by a millionth: below 1e-14 nothing is left to integrate.
-    if x < 1e-14 {
-        return mu.max(0.0);
-    }
-    let x = x.min(1e15);
-    let density = |c: f64| (-c / x).exp() + (-c / (3.0 * x)).exp();
-    // In units of the sphere's radius chords end at 2; the wider exponential is over after 37 of its lengths.
-    let reach = 3.0 * NEGLIGIBLE * x;
-    let mass = -x * ((-2.0 / x).exp_m1() + 3.0 * (-2.0 / (3.0 * x)).exp_m1());
+    Burley::new(x).at(mu)
+}
 
-    // As for vmf: the lit half is the dark half plus mu R_1, with R_1 the kernel's mean of cos psi = 1 - c^2/2.
-    let straight = if mu > 0.0 {
-        let moment = integrate_from_kink(0.0, reach.min(2.0), |c| 0.5 * c * c * density(c));
-        mu * (1.0 - moment / mass)
-    } else {
-        0.0
-    };
-    let sine_down = mu.abs();
-    let sine_across = (1.0 - mu * mu).max(0.0).sqrt();
-    // The light is reached first at psi = asin|mu|, and every azimuth sees it no more at pi minus that.
-    let first = 2.0 * (0.5 * sine_down.asin()).sin();
-    let last = 2.0 * (0.5 * (PI - sine_down.asin())).sin();
-    let lit = |c: f64| {
-        let cos_psi = 1.0 - 0.5 * c * c;
-        let sin_psi = c * (1.0 - 0.25 * c * c).max(0.0).sqrt();
-        density(c) * azimuth_mean(-sine_down * cos_psi, sine_across * sin_psi)
-    };
-    // Beyond `last` all azimuths look away from or at the light alike: there the mean is -|mu| cos psi > 0.
-    let middle = (0.5 * (first + last)).min(first + reach);
-    let mut dark = integrate_from_kink(first, middle, lit);
-    if middle < first + reach {
-        dark += integrate_from_kink(last, middle, lit);
+/// [`burley`] at one x: what does not depend on mu, computed once.
+pub(super) struct Burley {
+    x: f64,
+    /// The chord, in radii, beyond which nothing is left of the wider exponential.
+    reach: f64,
+    /// Int of the two exponentials over all chords of the unit sphere, 0..2.
+    mass: f64,
+    /// R_1, the kernel's mean of cos psi = 1 - c^2/2.
+    mean_cosine: f64,
+}
+
+impl Burley {
+    pub(super) fn new(x: f64) -> Burley {
+        // At 1e15 the exponentials are flat to the last bit; below 1e-14 `at` leaves them out.
+        let x = if x.is_nan() { x } else { x.clamp(0.0, 1e15) };
+        let mass = -x * ((-2.0 / x).exp_m1() + 3.0 * (-2.0 / (3.0 * x)).exp_m1());
+        let mut lobe = Burley { x, reach: 3.0 * NEGLIGIBLE * x, mass, mean_cosine: 1.0 };
+        let missing = integrate_from_kink(0.0, lobe.reach.min(2.0), |c| 0.5 * c * c * lobe.density(c));
+        lobe.mean_cosine = 1.0 - missing / mass;
+        lobe
     }
-    dark += integrate(last, 2.0_f64.min(first + reach), |c| density(c) * sine_down * (0.5 * c * c - 1.0));
-    straight + dark / mass
+
+    pub(super) fn at(&self, mu: f64) -> f64 {
+        if mu.is_nan() || self.x.is_nan() {
+            return f64::NAN;
+        }
+        let mu = mu.clamp(-1.0, 1.0);
+        // A profile of no width scatters nothing that f64 could hold.
+        if self.x < 1e-14 {
+            return mu.max(0.0);
+        }
+        // As for vmf: max(0, x) = x + max(0, -x), and the first term's mean is known.
+        mu.max(0.0) * self.mean_cosine + self.far_side(mu.abs()) / self.mass
+    }
+
+    /// 2 pi c R(c) but for a constant, c in radii.
+    fn density(&self, c: f64) -> f64 {
+        (-c / self.x).exp() + (-c / (3.0 * self.x)).exp()
+    }
+
+    /// The numerator where the normal looks away from the light by a sine of `down` (0..1).
+    fn far_side(&self, down: f64) -> f64 {
+        let across = (1.0 - down * down).max(0.0).sqrt();
+        // Light is first met at psi = asin(down); from pi minus that on, every azimuth is lit.
+        let first = 2.0 * (0.5 * down.asin()).sin();
+        let last = 2.0 * (0.5 * (PI - down.asin())).sin();
+        let lit = |c: f64| {
+            let cos_psi = 1.0 - 0.5 * c * c;
+            let sin_psi = c * (1.0 - 0.25 * c * c).max(0.0).sqrt();
+            self.density(c) * azimuth_mean(-down * cos_psi, across * sin_psi)
+        };
+        let end = first + self.reach;
+        let middle = (0.5 * (first + last)).min(end);
+        let mut sum = integrate_from_kink(first, middle, lit);
+        if middle < end {
+            sum += integrate_from_kink(last, middle, lit);
+        }
+        sum + integrate(last, end.min(2.0), |c| self.density(c) * down * (0.5 * c * c - 1.0))
+    }
 }
 
 /// Mean over azimuth phi of max(0, a + b cos phi), b >= 0.
@@ -172,10 +195,10 @@ fn series(mu: f64, k: f64) -> f64 {
     let mut attenuation = ratios[1];
     let (mut p_before, mut p) = (1.0, mu);
     let mut p_at_zero = 1.0;
-    for l in 2..=top {
+    for (l, ratio) in ratios.iter().enumerate().take(top + 1).skip(2) {
         let n = l as f64;
         (p_before, p) = (p, ((2.0 * n - 1.0) * mu * p - (n - 1.0) * p_before) / n);
-        attenuation *= ratios[l];
+        attenuation *= ratio;
         if l % 2 == 0 {
             p_at_zero *= -(n - 1.0) / n;
             sum -= (n + 0.5) * p_at_zero / ((n - 1.0) * (n + 2.0)) * attenuation * p;

@@ -166,7 +166,7 @@ impl Reader<'_> {
             }
         }
         let terms_of = |c: usize| terms.get_ref().iter().map(move |t| t.get_ref().weight[c]);
-        let sums: [f64; 3] = std::array::from_fn(|c| terms_of(c).sum());
+        let sums: [f64; 3] = std::array::from_fn(|c| terms_of(c).fold(0.0, |sum, w| sum + w));
         if !sums.iter().all(|s| s.is_finite() && *s > 0.0) {
             return Err(
                 self.error(terms.span(), format!("the weights sum to {sums:?}; each channel needs some energy"))

@@ -40,10 +40,7 @@ pub(super) fn fit(profile: &Profile) -> Fit {
     if has_delta {
         gaussians.push(Gaussian { variance: 0.0, weight: delta });
     }
-    let spans = || supports.iter().flatten();
-    if spans().next().is_some() {
-        let low = spans().map(|s| s.0).fold(f64::INFINITY, f64::min);
-        let high = spans().map(|s| s.1).fold(0.0, f64::max);
+    if let Some((low, high)) = span(&supports) {
         let step = (high / low).ln() / (DICTIONARY - 1) as f64;
         let variances: [f64; DICTIONARY] = std::array::from_fn(|i| (low * (step * i as f64).exp()).powi(2));
         let channels = std::array::from_fn(|c| Channel::new(profile, c, supports[c], &variances, 1.0 - delta[c]));
@@ -57,8 +54,7 @@ pub(super) fn fit(profile: &Profile) -> Fit {
             }
         }
     }
-    let error = (0..3).map(|c| l1_error(profile, c, supports[c], &gaussians)).fold(0.0, f64::max);
-    Fit { gaussians, error }
+    Fit { error: l1_error(profile, &supports, &gaussians), gaussians }
 }
 
 /// The share of each channel that leaves exactly where it entered.
@@ -83,6 +79,11 @@ fn widths(profile: &Profile, channel: usize) -> Option<(f64, f64)> {
         // Below .04 d lies 1 % of the energy; 4.5 d is the tail's own slope at its last percent.
         Shape::Burley { d } => (d[channel] > 0.0).then_some((0.04 * d[channel], 4.5 * d[channel])),
     }
+}
+
+/// From the least to the greatest of the channels' widths.
+fn span(supports: &[Option<(f64, f64)>; 3]) -> Option<(f64, f64)> {
+    supports.iter().flatten().copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
 /// Int f(r) dr/r over all radii where Gaussians of these widths have any energy: the trapezoid rule over log r.
@@ -112,13 +113,17 @@ fn energy_per_log_radius(profile: &Profile, channel: usize, r: f64) -> f64 {
     }
 }
 
-fn l1_error(profile: &Profile, channel: usize, support: Option<(f64, f64)>, gaussians: &[Gaussian]) -> f64 {
-    let Some(support) = support else { return 0.0 };
-    over_log_radius(support, 0.02, |r| {
-        let wide = gaussians.iter().filter(|g| g.variance > 0.0);
-        let fitted: f64 = wide.map(|g| g.weight[channel] * atom(g.variance, r)).sum();
-        (energy_per_log_radius(profile, channel, r) - fitted).abs()
-    })
+/// The largest channel's L1 error, over all radii that any channel reaches: a fit may spill energy into another's.
+fn l1_error(profile: &Profile, supports: &[Option<(f64, f64)>; 3], gaussians: &[Gaussian]) -> f64 {
+    let Some(span) = span(supports) else { return 0.0 };
+    let wide = || gaussians.iter().filter(|g| g.variance > 0.0);
+    let error = |c: usize| {
+        over_log_radius(span, 0.02, |r| {
+            let fitted: f64 = wide().map(|g| g.weight[c] * atom(g.variance, r)).sum();
+            (energy_per_log_radius(profile, c, r) - fitted).abs()
+        })
+    };
+    (0..3).map(error).fold(0.0, f64::max)
 }
 
 /// The dictionary's inner products, 2 v w / (v + w)^2, and the pull towards the right energy.

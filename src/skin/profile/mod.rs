@@ -183,7 +183,13 @@ fn gaussian(variance: f64, r: f64) -> f64 {
 
 /// Christensen & Burley 2015, equation 2, with unit albedo.
 fn burley(d: f64, r: f64) -> f64 {
-    if d > 0.0 { ((-r / d).exp() + (-r / (3.0 * d)).exp()) / (8.0 * PI * d * r) } else { delta(r) }
+    let fall = (-r / d).exp() + (-r / (3.0 * d)).exp();
+    match fall {
+        // Also where the product below would underflow to 0 / 0.
+        _ if d == 0.0 => delta(r),
+        0.0 => 0.0,
+        _ => fall / (8.0 * PI * d * r),
+    }
 }
 
 fn delta(r: f64) -> f64 {
