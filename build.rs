@@ -1,3 +1,4 @@
+<<<<<<< HEAD
 //! Compiles `glsl/` with glslang and assembles `.spvasm`, warnings being errors, and writes a typed table of the shaders:
 //! a misspelt shader does not compile, and everything the host must know of one (bindings by name, access, workgroup,
 //! specialization constants, member offsets) is read from its SPIR-V.
@@ -350,3 +351,6 @@ impl Compiled {
         )
     }
 }
+=======
+fn main() {}
+>>>>>>> skin

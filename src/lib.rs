@@ -6,4 +6,5 @@ pub mod gpu;
 pub mod plan;
 pub mod settings;
 pub mod shaders;
+pub mod skin;
 pub mod targets;
