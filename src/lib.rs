@@ -1,2 +1,4 @@
 //! pdss: pre-integrated deferred subsurface scattering on Vulkan.
 #![deny(unsafe_code)]
+
+pub mod scene;
