@@ -4,6 +4,7 @@
 
 pub mod gpu;
 pub mod plan;
+pub mod scene;
 pub mod settings;
 pub mod shaders;
 pub mod skin;
