@@ -1,0 +1,2 @@
+//! The science, in f64, without a GPU.
+pub mod curvature;
