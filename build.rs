@@ -1,4 +1,3 @@
-<<<<<<< HEAD
 //! Compiles `glsl/` with glslang and assembles `.spvasm`, warnings being errors, and writes a typed table of the shaders:
 //! a misspelt shader does not compile, and everything the host must know of one (bindings by name, access, workgroup,
 //! specialization constants, member offsets) is read from its SPIR-V.
@@ -351,6 +350,3 @@ impl Compiled {
         )
     }
 }
-=======
-fn main() {}
->>>>>>> skin
