@@ -83,7 +83,7 @@ vec3 whole_normal(uint code) {
     vec3 n = vec3(p, 32767. - abs(p.x) - abs(p.y));
     float fold = max(-n.z, 0.);
     n.xy -= vec2(n.x >= 0. ? fold : -fold, n.y >= 0. ? fold : -fold);
-    return normalize(n);
+    return n * inversesqrt(dot(n, n)); // never 0; normalize() guards against that, dearly on some drivers
 }
 
 Step step_to(Centre c, ivec2 by) {
@@ -143,11 +143,12 @@ Local measure(Centre c) {
 float axis(Centre c, ivec2 by, out vec3 p, out vec3 n) {
     Step ahead = step_to(c, by), behind = step_to(c, -by);
     float a2 = dot(ahead.p, ahead.p), b2 = dot(behind.p, behind.p);
-    float a = ahead.usable && (!behind.usable || a2 <= SIDE_RATIO_SQUARED * b2) ? 1. : 0.;
-    float b = behind.usable && (!ahead.usable || b2 <= SIDE_RATIO_SQUARED * a2) ? 1. : 0.;
-    p = a * ahead.p - b * behind.p;
-    n = a * (ahead.normal - c.n) + b * (c.n - behind.normal);
-    return a + b;
+    bool a = ahead.usable && (!behind.usable || a2 <= SIDE_RATIO_SQUARED * b2);
+    bool b = behind.usable && (!ahead.usable || b2 <= SIDE_RATIO_SQUARED * a2);
+    // The centre itself stands in for a side left out.
+    p = (a ? ahead.p : vec3(0.)) - (b ? behind.p : vec3(0.));
+    n = (a ? ahead.normal : c.n) - (b ? behind.normal : c.n);
+    return float(a) + float(b);
 }
 
 Local measure(Centre c) {

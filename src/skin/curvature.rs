@@ -148,9 +148,6 @@ fn bounded<T: Real>(c: Local<T>) -> Local<T> {
 struct Step<T> {
     /// Position difference in footprints.
     p: V3<T>,
-    /// Difference of the normals.
-    n: V3<T>,
-    /// The neighbour's normal.
     normal: V3<T>,
     /// Not background, inside the image.
     covered: bool,
@@ -216,7 +213,6 @@ impl<'a, T: Real> Window<'a, T> {
                 j * self.unit[1] + e * (self.slope[1] + j * self.slope_step[1]),
                 -e,
             ],
-            n: sub(normal, self.n),
             normal,
             covered,
             usable: covered && (z < 0.0) == self.scatters && dot(normal, self.n) > T::of(CREASE_COS),
@@ -274,9 +270,13 @@ fn axis<T: Real>(w: &Window<T>, dx: i64, dy: i64) -> (V3<T>, V3<T>, T) {
     let (a2, b2) = (dot(ahead.p, ahead.p), dot(behind.p, behind.p));
     let ratio = T::of(SIDE_RATIO_SQUARED);
     // Position and normal always take the same sides: n is affine in P on a sphere, so any pair is exact there.
-    let a = mask::<T>(ahead.usable && (!behind.usable || a2 <= ratio * b2));
-    let b = mask::<T>(behind.usable && (!ahead.usable || b2 <= ratio * a2));
-    (sub(scale(ahead.p, a), scale(behind.p, b)), sub(scale(ahead.n, a), scale(behind.n, b)), a + b)
+    let a = ahead.usable && (!behind.usable || a2 <= ratio * b2);
+    let b = behind.usable && (!ahead.usable || b2 <= ratio * a2);
+    // The centre itself stands in for a side left out.
+    let (here, centre) = ([T::of(0.0); 3], w.n);
+    let p = sub(if a { ahead.p } else { here }, if b { behind.p } else { here });
+    let n = sub(if a { ahead.normal } else { centre }, if b { behind.normal } else { centre });
+    (p, n, mask::<T>(a) + mask::<T>(b))
 }
 
 /// H = (G L + E N - 2 F M) / (2 (E G - F^2)), K = (L N - M^2) / (E G - F^2).
@@ -323,7 +323,8 @@ fn fit<T: Real>(w: &Window<T>) -> Local<T> {
         let (lift, far) = (height * height / d2, d2 / T::of(576.0));
         let vote = mask::<T>(s.usable) * (-(T::of(64.0) * lift * lift + far * far)).exp();
         let weight = vote / d2;
-        let (ax, ay, mx, my) = (dot(s.p, t), dot(s.p, b), dot(s.n, t), dot(s.n, b));
+        let change = sub(s.normal, w.n);
+        let (ax, ay, mx, my) = (dot(s.p, t), dot(s.p, b), dot(change, t), dot(change, b));
         votes = votes + vote;
         (a00, a01, a11) = (a00 + weight * ax * ax, a01 + weight * ax * ay, a11 + weight * ay * ay);
         (b00, b01) = (b00 + weight * mx * ax, b01 + weight * mx * ay);
