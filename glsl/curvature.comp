@@ -53,6 +53,12 @@ const float CREASE_COS = .5;
 const float DETERMINANT_FLOOR = 1e-6;
 // Trust grows from 0 to 1 between these cosines of the given and the measured normal.
 const float AGREE_FROM = .5, AGREE_FULL = .9;
+// fit adds this share of its matrix' trace to the diagonal: a line of neighbours yields its curvature, none across.
+const float RIDGE = 1e-6;
+// Sum of weights below which fit found no neighbour; one good neighbour is 1.
+const float NO_WEIGHT = 1e-12;
+// Neighbours, of 8, for full confidence: the half left over is what the weights take at grazing angles.
+const float ENOUGH_VOTES = 7.5;
 // vergne divides by no smaller n.z: finite, and still far off at a contour.
 const float VERGNE_EPSILON = 1e-6;
 
@@ -208,13 +214,15 @@ Local measure(Centre c) {
     add(s, c, t, b, ivec2(1, 1));
 
     float spread = s.a.x + s.a.z;
-    if (spread <= 0.) return Local(0., 0., 0.);
-    s.a.xz += 1e-6 * spread; // a line of neighbours: curvature along it, none across
+    if (spread < NO_WEIGHT) return Local(0., 0., 0.);
+    s.a /= spread; // products of weights as small as these may be would underflow
+    s.b /= spread;
+    s.a.xz += RIDGE;
     float over = 1. / (s.a.x * s.a.z - s.a.y * s.a.y);
     vec4 shape = vec4(s.b.x * s.a.z - s.b.y * s.a.y, s.b.y * s.a.x - s.b.x * s.a.y,
                       s.b.z * s.a.z - s.b.w * s.a.y, s.b.w * s.a.x - s.b.z * s.a.y) * over;
     float shear = .5 * (shape.y + shape.z);
-    return Local(.5 * (shape.x + shape.w), shape.x * shape.w - shear * shear, min(s.votes / 7.5, 1.));
+    return Local(.5 * (shape.x + shape.w), shape.x * shape.w - shear * shear, min(s.votes / ENOUGH_VOTES, 1.));
 }
 #endif
 

@@ -89,6 +89,12 @@ pub const CREASE_COS: f64 = 0.5;
 pub const DETERMINANT_FLOOR: f64 = 1e-6;
 /// Cosine between shading and measured normal from which `metric` begins to trust, and trusts fully.
 pub const AGREE_COS: [f64; 2] = [0.5, 0.9];
+/// `fit` adds this share of its matrix' trace to the diagonal: a line of neighbours still yields its curvature.
+pub const RIDGE: f64 = 1e-6;
+/// Sum of weights below which `fit` found no neighbour; one good neighbour is 1.
+pub const NO_WEIGHT: f64 = 1e-12;
+/// Neighbours, of 8, that give `fit` full confidence: the half left over is what its own weights take at grazing angles.
+pub const ENOUGH_VOTES: f64 = 7.5;
 /// `vergne` divides by n.z no smaller than this: finite, yet a hundred thousand times too large at a silhouette.
 pub const VERGNE_EPSILON: f64 = 1e-6;
 
@@ -202,7 +208,11 @@ impl<'a, T: Real> Window<'a, T> {
         let (x, y) = (self.x + dx, self.y + dy);
         let inside = x >= 0 && y >= 0 && x < self.g.width as i64 && y < self.g.height as i64;
         // Outside: the centre stands in, finite, and is marked as not covered.
-        let at = if inside { y as usize * self.g.width + x as usize } else { self.y as usize * self.g.width + self.x as usize };
+        let at = if inside {
+            y as usize * self.g.width + x as usize
+        } else {
+            self.y as usize * self.g.width + self.x as usize
+        };
         let (z, normal) = (self.g.z[at], self.g.normal[at].map(T::of));
         let e = (T::of(z).abs() - self.z) * self.per_mm;
         let (i, j) = (T::of(dx as f64), T::of(dy as f64));
@@ -330,17 +340,19 @@ fn fit<T: Real>(w: &Window<T>) -> Local<T> {
         (b00, b01) = (b00 + weight * mx * ax, b01 + weight * mx * ay);
         (b10, b11) = (b10 + weight * my * ax, b11 + weight * my * ay);
     }
-    let trace = a00 + a11;
-    if trace <= zero {
+    let spread = a00 + a11;
+    if spread < T::of(NO_WEIGHT) {
         return Local { h: zero, k: zero, confidence: zero };
     }
-    let ridge = T::of(1e-6) * trace;
-    let (a00, a11) = (a00 + ridge, a11 + ridge);
+    // Divided by the trace: products of weights as small as these may be would underflow.
+    let unit = one / spread;
+    let (a00, a01, a11) = (a00 * unit + T::of(RIDGE), a01 * unit, a11 * unit + T::of(RIDGE));
+    let (b00, b01, b10, b11) = (b00 * unit, b01 * unit, b10 * unit, b11 * unit);
     let inverse = one / (a00 * a11 - a01 * a01);
     let (s00, s01) = ((b00 * a11 - b01 * a01) * inverse, (b01 * a00 - b00 * a01) * inverse);
     let (s10, s11) = ((b10 * a11 - b11 * a01) * inverse, (b11 * a00 - b10 * a01) * inverse);
     let shear = half * (s01 + s10);
-    Local { h: half * (s00 + s11), k: s00 * s11 - shear * shear, confidence: votes / T::of(7.5) }
+    Local { h: half * (s00 + s11), k: s00 * s11 - shear * shear, confidence: votes / T::of(ENOUGH_VOTES) }
 }
 
 /// An orthonormal tangent pair without a branch that divides by zero (Duff et al. 2017).
