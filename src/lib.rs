@@ -1,3 +1,11 @@
 //! pdss: pre-integrated deferred subsurface scattering on Vulkan.
 #![deny(unsafe_code)]
+#![warn(missing_docs)]
+
+pub mod gpu;
+pub mod plan;
+pub mod scene;
+pub mod settings;
+pub mod shaders;
 pub mod skin;
+pub mod targets;

@@ -15,15 +15,16 @@ layout(set = 0, binding = 0, scalar) uniform FrameBlock {
     float pixels_per_mm;       // at unit distance: |1 / ray_scale.y|
     vec3 origin;               // mm, world position that stored positions are relative to
     uint light_count;
-    vec3 ambient_up;           // radiance from above, from below: a two-colour sky
-    float exposure;
-    vec3 ambient_down;
-    float curvature_scale;     // mm, the profile's length: curvature is stored as H * curvature_scale
-    vec4 level[MAX_LEVELS];    // weight rgb of the level's Gaussian, variance in mm^2 (moments)
-    vec4 mix_normal[MAX_LEVELS + 1]; // per-channel share of level i in the normal (pdss); entry 0 is the unblurred normal
-    vec4 ao[MAX_LEVELS];       // x: AO radius in mm, y: share
-    vec4 sharp;                // weight rgb of what is narrower than a pixel
-    vec4 step_mm;              // reserved for stages
+    vec3 ambient_mean;         // half the sum of the radiance from above and from below: a two-colour sky
+    float exposure;            // factor
+    vec3 ambient_slope;        // half their difference; ambient(n) = mean + slope * n.up
+    float length_mm;           // the profile's length: levels store H * length_mm, so that halves do for every scale
+    vec3 up;                   // world up, in view space
+    float lut_knee;            // 1/mm, curvature of the middle of the look-up table
+    vec4 level[MAX_LEVELS];    // moments: weight rgb of the level's Gaussian; w: variance in mm^2
+    vec4 share[MAX_LEVELS + 1];// pdss: per-channel share of level i - 1; entry 0 is the unblurred normal
+    vec4 occlusion[MAX_LEVELS];// x: AO radius in units of length_mm, y: share of the level
+    vec4 sharp;                // weight rgb of all Gaussians narrower than a pixel
 } frame;
 
 // Ray through a pixel, view space, z = -1.

@@ -1,2 +1,24 @@
-//! The science, in f64, without a GPU.
+//! The science of scattering under the skin, in f64 and without a GPU.
+//!
+//! | module | question it answers |
+//! |---|---|
+//! | [`profile`] | how far does light travel under this surface: R(r), per channel, and as a few Gaussians |
+//! | [`sphere`] | what leaves a sphere under one distant light: exact, a Legendre series or one smooth integral |
+//! | [`curvature`] | screen-space curvature estimators, the twins of `glsl/curvature.comp` |
+//! | [`ring`] | the same on a ring, to reproduce Penner & Borshukov 2011 |
+//! | [`lut`] | either of them as a small table over (mu, curvature) that a GPU samples bilinearly |
+//! | [`moments`] | E max(0, X) of a normal variable: the closed form that needs no table |
+//! | [`occlusion`] | how much of the sky a concave patch of known curvature hides |
+//!
+//! Units: millimetres; variances in mm^2; curvatures in 1/mm, convex positive. `mu` is the cosine between the surface
+//! normal and the light. Irradiance at normal incidence and albedo are one throughout: what is returned is exitance as
+//! a fraction. A channel triple is red, green, blue.
+
 pub mod curvature;
+pub mod lut;
+pub mod moments;
+pub mod occlusion;
+pub mod profile;
+mod quadrature;
+pub mod ring;
+pub mod sphere;

@@ -1,0 +1,31 @@
+// The two lighting forms. Twins in f64: src/skin/lut.rs, src/skin/moments.rs.
+
+// Where D(mu, curvature) stands in the table: two straight pieces in mu that break at texels, curvature / (curvature + knee).
+vec2 lut_coordinate(float mu, float curvature, vec2 size) {
+    float a = min(abs(mu), 1.);
+    float t = sign(mu) * min(4. * a, (4. * a + 3.) / 7.);
+    float k = min(abs(curvature), 1e30);
+    return (vec2(.5 + .5 * t, k / (k + frame.lut_knee)) * (size - 1.) + .5) / size;
+}
+
+// E max(0, X), X normal with mean c and standard deviation s >= 0. Error below 2.4e-5 s; s = 0 gives max(0, c).
+float rectified(float c, float s) {
+    float z = abs(c) / max(s, 1e-8);
+    return max(c, 0.) + s * exp2(-(1.3258326 + z * (1.8057098 + z * (.42119398 + z * .032454884))));
+}
+
+// Scattered clamped cosine of one Gaussian from its blurred, un-normalised normal: n.l has mean n.l and a spread that
+// 1 - |n|^2 tells, even over the tangent plane.
+float moment(vec3 n, vec3 l) {
+    float c = dot(n, l), square = dot(n, n);
+    float spread = max(1. - square, 0.) * .5 * max(1. - c * c / max(square, 1e-8), 0.);
+    return rectified(c, sqrt(spread));
+}
+
+// Occlusion of a concave patch within R by its mean curvature alone, quadratic falloff: 5/16 (H R)^2, between a bowl's 1/4
+// and a trough's 3/8 times 1/2 of the falloff, saturating as the bowl does. h = H R, convex > 0.
+float occlusion_of(float h) {
+    float c = min(h, 0.) * .5;
+    float square = c * c * 1.25;
+    return square <= 1. ? .5 * square : 1. - .5 / square;
+}

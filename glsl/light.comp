@@ -1,0 +1,246 @@
+// light: G-buffer, blurred levels, table, shadow -> hdr.
+// variants: lambert METHOD=0; pdss METHOD=1; moments METHOD=2
+//
+// lambert  exitance = max(0, n.l) E
+// pdss     exitance_c = D(n_c.l, |H_c|) E, D pre-integrated over a sphere or a ring (Penner & Borshukov 2011), n_c and H_c a
+//          channel's own mix of the blurred levels (Chen, Lambert & Penner 2014)
+// moments  exitance = sum over the profile's Gaussians w E[max(0, n.l)], from mean and spread of n (common/scattering.glsl)
+// Visibility is blurred with the levels. What no level carries (narrower than a pixel) is lit by the sharp normal.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "common/frame.glsl"
+#include "common/octahedral.glsl"
+#include "common/tiles.glsl"
+#include "common/lights.glsl"
+#include "common/shadow.glsl"
+#include "common/specular.glsl"
+#include "common/scattering.glsl"
+#include "common/level_code.glsl"
+
+#define OUTPUT_FINAL 0
+#define OUTPUT_SCATTER 1
+#define OUTPUT_IRRADIANCE 2
+#define OUTPUT_AO 3
+
+layout(constant_id = 0) const int OUTPUT = OUTPUT_FINAL;
+layout(constant_id = 1) const bool SHADOWS = true;
+layout(constant_id = 2) const bool SLOTS = true;         // the visibility target is there
+layout(constant_id = 3) const bool SPECULAR = true;
+layout(constant_id = 4) const bool AO = true;
+layout(constant_id = 5) const bool AMBIENT = true;
+layout(constant_id = 6) const int LEVELS = 0;
+layout(constant_id = 7) const int STRIDE0 = 1;           // pixels per texel of each level
+layout(constant_id = 8) const int STRIDE1 = 1;
+layout(constant_id = 9) const int STRIDE2 = 1;
+layout(constant_id = 10) const int STRIDE3 = 1;
+layout(constant_id = 11) const int STRIDE4 = 1;
+layout(constant_id = 12) const int STRIDE5 = 1;
+layout(constant_id = 13) const bool STRIDED = false;     // some level is coarser than the picture
+
+layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
+layout(set = 0, binding = 3, r32ui) uniform readonly uimage2D normal;
+layout(set = 0, binding = 4, rgba8) uniform readonly image2D albedo;
+layout(set = 0, binding = 5, rgba8) uniform readonly image2D material;
+layout(set = 0, binding = 6, r32ui) uniform readonly uimage2D visibility;
+layout(set = 0, binding = 7) uniform writeonly image2D hdr;
+#if METHOD > 0
+layout(set = 0, binding = 8, rg32ui) uniform readonly uimage2D soft0;
+layout(set = 0, binding = 9, rg32ui) uniform readonly uimage2D soft1;
+layout(set = 0, binding = 10, rg32ui) uniform readonly uimage2D soft2;
+layout(set = 0, binding = 11, rg32ui) uniform readonly uimage2D soft3;
+layout(set = 0, binding = 12, rg32ui) uniform readonly uimage2D soft4;
+layout(set = 0, binding = 13, rg32ui) uniform readonly uimage2D soft5;
+layout(set = 0, binding = 14, r32ui) uniform readonly uimage2D softvis0;
+layout(set = 0, binding = 15, r32ui) uniform readonly uimage2D softvis1;
+layout(set = 0, binding = 16, r32ui) uniform readonly uimage2D softvis2;
+layout(set = 0, binding = 17, r32ui) uniform readonly uimage2D softvis3;
+layout(set = 0, binding = 18, r32ui) uniform readonly uimage2D softvis4;
+layout(set = 0, binding = 19, r32ui) uniform readonly uimage2D softvis5;
+
+struct Level {
+    vec3 n;     // un-normalised
+    float h;    // H times the profile's length
+    vec2 seen;
+};
+Level level[MAX_LEVELS];
+
+// Four texels of a coarse level around a pixel: joint bilateral weights, bilinear times closeness to the tangent plane.
+struct Footprint {
+    ivec2 texel[4];
+    float weight[4];
+};
+
+Footprint footprint(ivec2 pixel, vec3 p0, vec3 n, int stride) {
+    Footprint f;
+    vec2 at = (vec2(pixel) - float(stride / 2)) / float(stride);
+    vec2 base = floor(at), t = at - base;
+    ivec2 last = (frame.size + stride - 1) / stride - 1;
+    float reach = float(stride) / frame.pixels_per_mm * mix(1., -p0.z, frame.perspective);
+    float sum = 0.;
+    for (int i = 0; i < 4; ++i) {
+        ivec2 corner = ivec2(i & 1, i >> 1);
+        f.texel[i] = clamp(ivec2(base) + corner, ivec2(0), last);
+        ivec2 seat = min(f.texel[i] * stride + stride / 2, frame.size - 1);
+        float z = -imageLoad(viewz, seat).x;
+        vec2 b = mix(1. - t, t, vec2(corner));
+        float off = dot(view_position(seat, max(z, 1e-20)) - p0, n) / reach;
+        f.weight[i] = z > 0. ? (b.x * b.y + 1e-4) * exp(-min(off * off, 60.)) : 0.;
+        sum += f.weight[i];
+    }
+    float scale = sum > 0. ? 1. / sum : 0.;
+    for (int i = 0; i < 4; ++i) f.weight[i] *= scale;
+    return f;
+}
+
+#define FETCH(i, STRIDE) \
+    if (LEVELS > i) { \
+        Level x; \
+        if (STRIDE == 1) { \
+            uvec2 code = imageLoad(soft##i, pixel).xy; \
+            x.n = level_normal(code); \
+            x.h = level_curvature(code); \
+            x.seen = SLOTS ? unpackUnorm2x16(imageLoad(softvis##i, pixel).x) : vec2(1.); \
+        } else { \
+            x.n = vec3(0.); x.h = 0.; x.seen = SLOTS ? vec2(0.) : vec2(1.); \
+            float sum = 0.; \
+            for (int k = 0; k < 4; ++k) { \
+                ivec2 texel = STRIDE == 2 ? half_.texel[k] : quarter.texel[k]; \
+                float w = STRIDE == 2 ? half_.weight[k] : quarter.weight[k]; \
+                if (w == 0.) continue; \
+                uvec2 code = imageLoad(soft##i, texel).xy; \
+                x.n += w * level_normal(code); \
+                x.h += w * level_curvature(code); \
+                if (SLOTS) x.seen += w * unpackUnorm2x16(imageLoad(softvis##i, texel).x); \
+                sum += w; \
+            } \
+            if (sum == 0.) { x.n = n; x.seen = seen; } \
+        } \
+        level[i] = x; \
+    }
+#endif
+
+#if METHOD == 1
+layout(set = 0, binding = 20) uniform sampler2D lut;
+#endif
+
+void main() {
+    ivec2 pixel = tile_pixel();
+    if (any(greaterThanEqual(pixel, frame.size))) return;
+    float z = imageLoad(viewz, pixel).x;
+    if (z == 0.) return;
+    bool scatters = z < 0.;
+    z = abs(z);
+    vec3 p = view_position(pixel, z);
+    vec3 v = view_direction(p);
+    vec3 n = octahedral_decode(imageLoad(normal, pixel).x);
+    vec2 seen = SLOTS ? unpackUnorm2x16(imageLoad(visibility, pixel).x) : vec2(1.);
+
+    float ao = 1.;
+#if METHOD > 0
+    Footprint half_, quarter;
+    if (STRIDED) {
+        if (STRIDE0 == 2 || STRIDE1 == 2 || STRIDE2 == 2 || STRIDE3 == 2 || STRIDE4 == 2 || STRIDE5 == 2) half_ = footprint(pixel, p, n, 2);
+        if (STRIDE0 == 4 || STRIDE1 == 4 || STRIDE2 == 4 || STRIDE3 == 4 || STRIDE4 == 4 || STRIDE5 == 4) quarter = footprint(pixel, p, n, 4);
+    }
+    FETCH(0, STRIDE0)
+    FETCH(1, STRIDE1)
+    FETCH(2, STRIDE2)
+    FETCH(3, STRIDE3)
+    FETCH(4, STRIDE4)
+    FETCH(5, STRIDE5)
+    if (AO && scatters) {
+        for (int i = 0; i < LEVELS; ++i) ao *= 1. - frame.occlusion[i].y * occlusion_of(level[i].h * frame.occlusion[i].x);
+    }
+    if (OUTPUT == OUTPUT_AO) {
+        imageStore(hdr, pixel, vec4(vec3(ao), 1.));
+        return;
+    }
+#endif
+#if METHOD == 1
+    // Each channel's own normal, curvature and visibility.
+    vec3 nr = n * frame.share[0].r, ng = n * frame.share[0].g, nb = n * frame.share[0].b;
+    vec3 h = vec3(0.);
+    vec3 seen0 = frame.share[0].rgb * seen.x, seen1 = frame.share[0].rgb * seen.y;
+    vec3 h_share = vec3(1e-8);
+    for (int i = 0; i < LEVELS; ++i) {
+        vec3 share = frame.share[i + 1].rgb;
+        // The unblurred level has no curvature worth using: the first blurred one stands in.
+        vec3 hs = i == 0 ? share + frame.share[0].rgb : share;
+        nr += level[i].n * share.r;
+        ng += level[i].n * share.g;
+        nb += level[i].n * share.b;
+        h += level[i].h * hs;
+        seen0 += level[i].seen.x * share;
+        seen1 += level[i].seen.y * share;
+    }
+    nr = normalize(nr);
+    ng = normalize(ng);
+    nb = normalize(nb);
+    h = abs(h) / frame.length_mm;
+    vec2 lut_size = vec2(textureSize(lut, 0));
+#endif
+
+    vec4 base = imageLoad(albedo, pixel);
+    vec4 m = imageLoad(material, pixel);
+    vec3 color = base.rgb * base.rgb;
+    float f = m.a * m.a;
+    vec3 f0 = mix(vec3(f), color, m.g);
+    vec3 kept = SPECULAR ? (1. - m.g) * (1. - specular_albedo(clamp(dot(n, v), 0., 1.), m.r, f0)) : vec3(1.);
+
+    vec3 exitance = vec3(0.), reflected = vec3(0.), arriving = vec3(0.);
+    for (uint i = 0u; i < frame.light_count; ++i) {
+        Light light = lights.light[i];
+        vec3 irradiance;
+        vec3 l = light_arrives(light, p, irradiance);
+        float c = dot(n, l);
+        float shade = 1.;
+        if (SHADOWS && light.layer >= 0) {
+            if (SLOTS && light.slot >= 0) shade = light.slot == 0 ? seen.x : seen.y;
+            else shade = shadow_visibility(light, p, n, l, mat3(frame.world_from_view));
+        }
+        vec3 lit = vec3(max(c, 0.)) * shade;
+#if METHOD == 1
+        if (scatters) {
+            vec3 cosine = vec3(dot(nr, l), dot(ng, l), dot(nb, l));
+            lit.r = textureLod(lut, lut_coordinate(cosine.r, h.r, lut_size), 0.).r;
+            lit.g = textureLod(lut, lut_coordinate(cosine.g, h.g, lut_size), 0.).g;
+            lit.b = textureLod(lut, lut_coordinate(cosine.b, h.b, lut_size), 0.).b;
+            lit *= light.slot < 0 ? vec3(shade) : light.slot == 0 ? seen0 : seen1;
+        }
+#elif METHOD == 2
+        if (scatters) {
+            lit *= frame.sharp.rgb;
+            for (int k = 0; k < LEVELS; ++k) {
+                float s = light.slot < 0 ? shade : light.slot == 0 ? level[k].seen.x : level[k].seen.y;
+                lit += frame.level[k].rgb * (moment(level[k].n, l) * s);
+            }
+        }
+#endif
+        exitance += lit * irradiance;
+        if (OUTPUT == OUTPUT_IRRADIANCE) arriving += max(c, 0.) * shade * irradiance;
+        if (SPECULAR && OUTPUT == OUTPUT_FINAL) reflected += specular_ggx(n, v, l, m.r, f0) * irradiance * shade;
+    }
+    if (OUTPUT == OUTPUT_SCATTER) {
+        imageStore(hdr, pixel, vec4(exitance, 1.));
+        return;
+    }
+    if (OUTPUT == OUTPUT_IRRADIANCE) {
+        imageStore(hdr, pixel, vec4(arriving, 1.));
+        return;
+    }
+    vec3 radiance = kept * color * exitance / PI + reflected;
+    if (AMBIENT) {
+        // A sky that is linear in n.up is scattered exactly by the mean normal.
+        vec3 tilt = vec3(dot(n, frame.up));
+#if METHOD == 2
+        if (scatters) {
+            tilt *= frame.sharp.rgb;
+            for (int k = 0; k < LEVELS; ++k) tilt += frame.level[k].rgb * dot(level[k].n, frame.up);
+        }
+#endif
+        vec3 sky = (frame.ambient_mean + frame.ambient_slope * tilt) * ao * m.b;
+        radiance += kept * color * sky;
+        if (SPECULAR) radiance += specular_albedo(clamp(dot(n, v), 0., 1.), m.r, f0) * sky;
+    }
+    imageStore(hdr, pixel, vec4(radiance * frame.exposure, 1.));
+}

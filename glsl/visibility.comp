@@ -1,0 +1,33 @@
+// visibility: viewz, normal, shadow -> visibility.
+//
+// The visibility of up to two lights (those with a slot), one channel a light, before it is scattered.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "common/frame.glsl"
+#include "common/octahedral.glsl"
+#include "common/tiles.glsl"
+#include "common/lights.glsl"
+#include "common/shadow.glsl"
+
+layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
+layout(set = 0, binding = 3, r32ui) uniform readonly uimage2D normal;
+layout(set = 0, binding = 4, r32ui) uniform writeonly uimage2D visibility;
+
+void main() {
+    ivec2 pixel = tile_pixel();
+    if (any(greaterThanEqual(pixel, frame.size))) return;
+    float z = abs(imageLoad(viewz, pixel).x);
+    if (z == 0.) return;
+    vec3 position = view_position(pixel, z);
+    vec3 n = octahedral_decode(imageLoad(normal, pixel).x);
+    vec2 seen = vec2(1.);
+    for (uint i = 0u; i < frame.light_count; ++i) {
+        Light light = lights.light[i];
+        if (light.slot < 0 || light.layer < 0) continue;
+        vec3 irradiance;
+        vec3 l = light_arrives(light, position, irradiance);
+        float v = shadow_visibility(light, position, n, l, mat3(frame.world_from_view));
+        if (light.slot == 0) seen.x = v; else seen.y = v;
+    }
+    imageStore(visibility, pixel, uvec4(packUnorm2x16(seen)));
+}

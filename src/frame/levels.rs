@@ -1,0 +1,228 @@
+//! Which levels of the diffusion run: from the profile, the quality, and how many pixels a millimetre covers.
+
+use super::uniforms::MAX_LEVELS;
+use crate::settings::{Method, Quality, Resolution, Settings};
+use crate::skin::profile::{Gaussian, Profile};
+
+/// A Gaussian whose sigma covers less than this many pixels is not told from a point: its radius projects below one pixel.
+const LEAST_SIGMA_PX: f64 = 0.5;
+
+/// One level that lighting reads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// Variance of the accumulated Gaussian, mm^2.
+    pub variance: f64,
+    /// Weight of the profile's Gaussians that this level stands for (`moments`).
+    pub weight: [f64; 3],
+    /// Share in each channel's own normal (`pdss`).
+    pub share: [f64; 3],
+    /// Pixels per texel and axis.
+    pub stride: u32,
+}
+
+/// One blur pass.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// Variance that it adds, mm^2.
+    pub variance: f64,
+    /// Pixels per texel of what it reads and writes.
+    pub stride: (u32, u32),
+    /// Level that it completes; none for a pass on the way.
+    pub level: Option<usize>,
+}
+
+/// The whole diffusion of one profile at one distance.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Levels {
+    /// Levels in order of variance.
+    pub levels: Vec<Level>,
+    /// Passes in order.
+    pub steps: Vec<Step>,
+    /// Weight of what is narrower than a pixel (`moments`), or the unblurred normal's share (`pdss`).
+    pub sharp: [f64; 3],
+    /// Unit in which levels store curvature, mm.
+    pub length_mm: f64,
+    /// Variances that were asked for and project below a pixel.
+    pub below_a_pixel: Vec<f64>,
+}
+
+/// How many pixels a millimetre covers: at the nearest point of the scene, and at its middle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Magnification {
+    /// Pixels per mm at the nearest point: what is below a pixel there is below a pixel everywhere.
+    pub nearest: f64,
+    /// Pixels per mm in the middle of the scene.
+    pub middle: f64,
+}
+
+impl Levels {
+    /// Decides the levels.
+    pub fn new(profile: &Profile, settings: &Settings, pixels: Magnification) -> Levels {
+        let fit = profile.gaussians().gaussians;
+        let widest = fit.iter().map(|g| g.variance).fold(0., f64::max);
+        // Whatever the profile, its own length makes curvature dimensionless; 1 mm where it has none.
+        let length_mm = if widest > 0. { widest.sqrt() } else { 1. };
+        let mut out = Levels { length_mm, ..Levels::default() };
+        match settings.method {
+            Method::Lambert => out.sharp = [1.; 3],
+            Method::Moments => out.from_gaussians(merge(fit, most_levels(settings)), pixels),
+            Method::Pdss => out.from_channels(profile, widest, most_levels(settings), pixels),
+        }
+        out.strides(settings, pixels);
+        out.steps(settings);
+        out
+    }
+
+    /// `moments`: a level a Gaussian.
+    fn from_gaussians(&mut self, gaussians: Vec<Gaussian>, pixels: Magnification) {
+        for g in gaussians {
+            if g.variance.sqrt() * pixels.nearest < LEAST_SIGMA_PX {
+                (0..3).for_each(|c| self.sharp[c] += g.weight[c]);
+                self.below_a_pixel.push(g.variance);
+            } else {
+                self.levels.push(Level { variance: g.variance, weight: g.weight, share: [0.; 3], stride: 1 });
+            }
+        }
+    }
+
+    /// `pdss`: geometric levels up to the widest Gaussian; each channel's normal is mixed from the two levels that enclose
+    /// its mean variance, linearly in sigma.
+    fn from_channels(&mut self, profile: &Profile, widest: f64, count: u32, pixels: Magnification) {
+        let ratio = 4f64;
+        for i in 0..count {
+            let variance = widest * ratio.powi(i as i32 + 1 - count as i32);
+            if variance.sqrt() * pixels.nearest < LEAST_SIGMA_PX {
+                self.below_a_pixel.push(variance);
+            } else {
+                self.levels.push(Level { variance, weight: [0.; 3], share: [0.; 3], stride: 1 });
+            }
+        }
+        for (c, variance) in profile.mean_variance().into_iter().enumerate() {
+            let sigma = variance.sqrt();
+            let above = self.levels.iter().position(|l| l.variance.sqrt() >= sigma);
+            match above {
+                None if self.levels.is_empty() => self.sharp[c] = 1.,
+                None => self.levels.last_mut().into_iter().for_each(|l| l.share[c] = 1.),
+                Some(i) => {
+                    let low = if i == 0 { 0. } else { self.levels[i - 1].variance.sqrt() };
+                    let t = (sigma - low) / (self.levels[i].variance.sqrt() - low);
+                    self.levels[i].share[c] = t;
+                    if i == 0 { self.sharp[c] = 1. - t } else { self.levels[i - 1].share[c] = 1. - t }
+                }
+            }
+        }
+    }
+
+    /// Coarser texels for wider levels: a level is smooth over its own sigma.
+    fn strides(&mut self, settings: &Settings, pixels: Magnification) {
+        let fixed = settings.resolution.map(Resolution::stride);
+        let texels_per_sigma = match settings.quality {
+            Quality::Low => 0.8,
+            Quality::Medium => 1.2,
+            Quality::High => 2.,
+            Quality::Ultra => f64::INFINITY,
+        };
+        let mut stride = 1;
+        for level in &mut self.levels {
+            let sigma_px = level.variance.sqrt() * pixels.middle;
+            let wanted = [4, 2].into_iter().find(|s| sigma_px >= f64::from(*s) * texels_per_sigma).unwrap_or(1);
+            // A level reads the one before it, so it is never finer.
+            stride = stride.max(fixed.unwrap_or(wanted));
+            level.stride = stride;
+        }
+    }
+
+    /// Passes that reach each level's variance from the one before.
+    fn steps(&mut self, settings: &Settings) {
+        let levels = self.levels.len() as u32;
+        if levels == 0 {
+            return;
+        }
+        let default = if settings.quality == Quality::Ultra { 2 * levels } else { levels };
+        let passes = settings.passes.unwrap_or(default).max(levels);
+        let (mut before, mut source) = (0., 1);
+        for (i, level) in self.levels.iter().enumerate() {
+            // The passes beyond one a level go to the widest levels, whose steps are longest.
+            let extra = (passes - levels) / levels + u32::from(i as u32 >= levels - (passes - levels) % levels);
+            let share = (level.variance - before) / f64::from(1 + extra);
+            for pass in 0..=extra {
+                self.steps.push(Step { variance: share, stride: (source, level.stride), level: (pass == extra).then_some(i) });
+                source = level.stride;
+            }
+            before = level.variance;
+        }
+    }
+}
+
+fn most_levels(settings: &Settings) -> u32 {
+    let by_quality = match (settings.method, settings.quality) {
+        (_, Quality::Low) => 1,
+        (_, Quality::Medium) => 2,
+        (Method::Moments, _) => MAX_LEVELS as u32,
+        _ => 3,
+    };
+    settings.passes.map_or(by_quality, |p| if settings.method == Method::Pdss { p.min(MAX_LEVELS as u32) } else { by_quality.min(p.max(1)) })
+}
+
+/// At most `count` Gaussians besides the narrow ones: neighbours whose union moves least energy least far are merged, their
+/// weights added and their variances averaged by weight.
+fn merge(mut gaussians: Vec<Gaussian>, count: u32) -> Vec<Gaussian> {
+    gaussians.retain(|g| g.weight.iter().any(|w| *w > 0.));
+    gaussians.sort_by(|a, b| a.variance.total_cmp(&b.variance));
+    let energy = |g: &Gaussian| g.weight.iter().sum::<f64>();
+    // The narrow half of a profile is the sharp term; it does not count.
+    while gaussians.iter().filter(|g| g.variance > 0.1 * gaussians.last().map_or(0., |l| l.variance)).count() > count as usize {
+        let cost = |i: usize| {
+            let (a, b) = (&gaussians[i], &gaussians[i + 1]);
+            let (ea, eb) = (energy(a), energy(b));
+            ea * eb / (ea + eb) * (b.variance.sqrt() - a.variance.sqrt()).powi(2)
+        };
+        let Some(i) = (0..gaussians.len() - 1).min_by(|a, b| cost(*a).total_cmp(&cost(*b))) else { break };
+        let b = gaussians.remove(i + 1);
+        let a = &mut gaussians[i];
+        let (ea, eb) = (energy(a), energy(&b));
+        a.variance = (a.variance * ea + b.variance * eb) / (ea + eb);
+        (0..3).for_each(|c| a.weight[c] += b.weight[c]);
+    }
+    while gaussians.len() > MAX_LEVELS {
+        let b = gaussians.remove(1);
+        (0..3).for_each(|c| gaussians[0].weight[c] += b.weight[c]);
+    }
+    gaussians
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn skin() -> Profile {
+        Profile::resolve("skin").unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    #[test]
+    fn weights_are_kept_whatever_the_quality_and_the_distance() {
+        for quality in [Quality::Low, Quality::Medium, Quality::High, Quality::Ultra] {
+            for method in [Method::Pdss, Method::Moments] {
+                for px in [1e-4, 0.3, 2., 50.] {
+                    let settings = Settings { method, quality, ..Settings::default() };
+                    let l = Levels::new(&skin(), &settings, Magnification { nearest: px, middle: px });
+                    for c in 0..3 {
+                        let sum: f64 = l.levels.iter().map(|x| x.weight[c] + x.share[c]).sum::<f64>() + l.sharp[c];
+                        assert!((sum - 1.).abs() < 1e-9, "{method:?} {quality:?} at {px} px/mm: {sum}");
+                    }
+                    let added: f64 = l.steps.iter().map(|s| s.variance).sum();
+                    let last = l.levels.last().map_or(0., |x| x.variance);
+                    assert!((added - last).abs() < 1e-9, "steps add {added}, the widest level has {last}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_below_a_pixel_runs() {
+        let far = Levels::new(&skin(), &Settings::default(), Magnification { nearest: 0.01, middle: 0.01 });
+        assert!(far.steps.is_empty() && far.sharp == [1.; 3], "{far:?}");
+        let near = Levels::new(&skin(), &Settings::default(), Magnification { nearest: 5., middle: 5. });
+        assert!(!near.steps.is_empty(), "the twin: close by, levels run");
+    }
+}

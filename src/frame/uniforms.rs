@@ -1,0 +1,66 @@
+//! What crosses to the shaders, in scalar layout. GLSL twins: `glsl/common/frame.glsl`, `glsl/common/lights.glsl`, the push
+//! blocks of the stages; `tests/layout.rs` compares every member's offset with the compiled SPIR-V.
+
+use bytemuck::{Pod, Zeroable};
+
+/// Most levels that lighting reads.
+pub const MAX_LEVELS: usize = 6;
+
+/// The block `FrameBlock`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[allow(missing_docs, reason = "each member is documented at its twin in glsl/common/frame.glsl")]
+pub struct FrameBlock {
+    pub clip_from_world: [[f32; 4]; 4],
+    pub view_from_world: [[f32; 4]; 4],
+    pub world_from_view: [[f32; 4]; 4],
+    pub ray_scale: [f32; 2],
+    pub ray_offset: [f32; 2],
+    pub size: [i32; 2],
+    pub perspective: f32,
+    pub pixels_per_mm: f32,
+    pub origin: [f32; 3],
+    pub light_count: u32,
+    pub ambient_mean: [f32; 3],
+    pub exposure: f32,
+    pub ambient_slope: [f32; 3],
+    pub length_mm: f32,
+    pub up: [f32; 3],
+    pub lut_knee: f32,
+    pub level: [[f32; 4]; MAX_LEVELS],
+    pub share: [[f32; 4]; MAX_LEVELS + 1],
+    pub occlusion: [[f32; 4]; MAX_LEVELS],
+    pub sharp: [f32; 4],
+}
+
+/// One element of `LightBlock`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[allow(missing_docs, reason = "each member is documented at its twin in glsl/common/lights.glsl")]
+pub struct LightEntry {
+    pub position: [f32; 3],
+    pub kind: i32,
+    pub color: [f32; 3],
+    pub range_mm: f32,
+    pub axis: [f32; 3],
+    pub inner_cos: f32,
+    pub outer_cos: f32,
+    pub layer: i32,
+    pub texel_mm: f32,
+    pub slot: i32,
+}
+
+/// Push constants of `gbuffer.frag`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[allow(missing_docs, reason = "each member is documented at its twin in glsl/gbuffer.frag")]
+pub struct MaterialPush {
+    pub base_color: [f32; 4],
+    pub roughness: f32,
+    pub metallic: f32,
+    pub normal_scale: f32,
+    pub occlusion_strength: f32,
+    pub alpha_cutoff: f32,
+    pub reflectance: f32,
+    pub scatter: f32,
+}

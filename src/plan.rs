@@ -1,0 +1,459 @@
+//! Scene and settings in; stages, targets and barriers out. Everything is decided, and can be printed, before anything is
+//! created. Stages add themselves through [`Plan::compute`] and [`Plan::raster`]; what a pass reads and writes is read from
+//! its shader, so that barriers follow from the SPIR-V and nobody lists them by hand.
+
+use crate::gpu::image::ImageDesc;
+use crate::gpu::pipeline::Raster;
+use crate::gpu::usage::{Barrier, State, Usage};
+use crate::shaders::{BindingKind, Shader};
+use crate::targets;
+use ash::vk;
+use std::collections::BTreeMap;
+
+/// What cannot be planned; a fault of a stage or a shader, not of the input.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanError {
+    /// A shader names a resource that nobody made.
+    #[error("{pass}: nothing in the plan is called `{resource}`")]
+    Unknown {
+        /// The pass.
+        pass: String,
+        /// The name.
+        resource: String,
+    },
+    /// A target is read before anyone wrote it.
+    #[error("{pass} reads `{resource}` before anything has written it")]
+    Unwritten {
+        /// The pass.
+        pass: String,
+        /// The name.
+        resource: String,
+    },
+}
+
+/// Over what a compute pass runs.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Domain {
+    /// This many threads.
+    Threads([u32; 2]),
+    /// The tiles of a list, by indirect dispatch: the buffer of that name holds the count.
+    Tiles(&'static str),
+}
+
+/// What a pass does.
+#[derive(Clone, Debug)]
+pub enum Work {
+    /// A compute shader.
+    Compute {
+        /// The module.
+        shader: &'static Shader,
+        /// Over what.
+        domain: Domain,
+    },
+    /// The scene's meshes, drawn.
+    Raster {
+        /// Vertex module.
+        vertex: &'static Shader,
+        /// Fragment module; none where only depth is wanted.
+        fragment: Option<&'static Shader>,
+        /// Fixed-function state.
+        state: Raster,
+        /// Colour targets and their clear values as raw bits.
+        colors: Vec<(String, [u32; 4])>,
+        /// Depth target, its layer, its clear value.
+        depth: (String, Option<u32>, f32),
+        /// Which vertex attributes are fetched, and which materials are drawn.
+        geometry: Geometry,
+    },
+    /// A few words written into a buffer.
+    Update {
+        /// The buffer.
+        buffer: String,
+        /// The words.
+        bytes: Vec<u8>,
+    },
+    /// An image cleared to a colour.
+    Clear {
+        /// The image.
+        image: String,
+        /// The colour.
+        value: [f32; 4],
+    },
+}
+
+/// Which part of the scene a raster pass draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Geometry {
+    /// Every material in one draw, positions alone.
+    Depth,
+    /// A draw per material, with its textures.
+    Materials,
+}
+
+/// One step of the frame.
+#[derive(Clone, Debug)]
+pub struct Pass {
+    /// Name, also the debug label and the name in timings.
+    pub name: String,
+    /// What it does.
+    pub work: Work,
+    /// Specialization constants.
+    pub constants: Vec<(&'static str, u32)>,
+    /// Push constants.
+    pub push: Vec<u8>,
+    /// Shader binding names that mean another resource here.
+    pub aliases: BTreeMap<&'static str, String>,
+    /// What it touches, in order of first use.
+    pub accesses: Vec<(String, Usage)>,
+    /// What must be waited for before it; filled by [`Plan::finish`].
+    pub barriers: Vec<(String, Barrier)>,
+}
+
+/// An image of the frame.
+#[derive(Clone, Debug)]
+pub struct TargetPlan {
+    /// What it is.
+    pub desc: ImageDesc,
+    /// First and last pass that touch it.
+    pub lifetime: (usize, usize),
+    /// Number of the memory block it lives in; images of one block take turns.
+    pub block: usize,
+    /// It outlives the frame: the host reads it.
+    pub kept: bool,
+}
+
+/// A buffer of the frame, written by the device.
+#[derive(Clone, Debug)]
+pub struct BufferPlan {
+    /// Name.
+    pub name: String,
+    /// Bytes.
+    pub bytes: u64,
+}
+
+/// Something that this scene or these settings do not need.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct LeftOut {
+    /// What is not there.
+    pub what: String,
+    /// Why.
+    pub why: String,
+    /// Bytes of images that are not made.
+    pub bytes: u64,
+}
+
+/// The whole frame, decided.
+#[derive(Clone, Debug, Default)]
+pub struct Plan {
+    /// Passes in order.
+    pub passes: Vec<Pass>,
+    /// Images by name.
+    pub targets: BTreeMap<String, TargetPlan>,
+    /// Device-written buffers by name.
+    pub buffers: BTreeMap<String, BufferPlan>,
+    /// What was left out.
+    pub left_out: Vec<LeftOut>,
+    /// Resources made outside of the frame and never written by it (scene buffers, tables).
+    pub external: Vec<String>,
+}
+
+impl Plan {
+    /// Declares an image by its line in [`targets::TARGETS`].
+    pub fn image(&mut self, name: &str, size: [u32; 2]) {
+        self.image_as(name, targets::describe(name).map_or(vk::Format::R32_UINT, |t| t.format), size, 1);
+    }
+
+    /// Declares an image of another format or with layers.
+    pub fn image_as(&mut self, name: &str, format: vk::Format, size: [u32; 2], layers: u32) {
+        let mut desc = ImageDesc::new(name, format, size, vk::ImageUsageFlags::empty());
+        desc.layers = layers;
+        self.targets.insert(name.to_owned(), TargetPlan { desc, lifetime: (usize::MAX, 0), block: 0, kept: false });
+    }
+
+    /// Declares a buffer that the device writes.
+    pub fn buffer(&mut self, name: &str, bytes: u64) {
+        self.buffers.insert(name.to_owned(), BufferPlan { name: name.to_owned(), bytes });
+    }
+
+    /// Notes something that is not needed.
+    pub fn leave_out(&mut self, what: &str, why: impl Into<String>, bytes: u64) {
+        self.left_out.push(LeftOut { what: what.to_owned(), why: why.into(), bytes });
+    }
+
+    /// Whether there is a target of this name.
+    pub fn has(&self, name: &str) -> bool {
+        self.targets.contains_key(name)
+    }
+
+    /// Keeps a target's content for the host.
+    pub fn keep(&mut self, name: &str) {
+        if let Some(t) = self.targets.get_mut(name) {
+            t.kept = true;
+            t.desc.usage |= vk::ImageUsageFlags::TRANSFER_SRC;
+        }
+    }
+
+    fn pass(&mut self, name: &str, work: Work) -> &mut Pass {
+        self.passes.push(Pass {
+            name: name.to_owned(),
+            work,
+            constants: Vec::new(),
+            push: Vec::new(),
+            aliases: BTreeMap::new(),
+            accesses: Vec::new(),
+            barriers: Vec::new(),
+        });
+        let last = self.passes.len() - 1;
+        &mut self.passes[last]
+    }
+
+    /// Adds a compute pass; what it touches is read from the shader.
+    pub fn compute(&mut self, name: &str, shader: &'static Shader, domain: Domain) -> &mut Pass {
+        self.pass(name, Work::Compute { shader, domain })
+    }
+
+    /// Adds a raster pass over the scene's meshes.
+    #[allow(clippy::too_many_arguments)]
+    pub fn raster(
+        &mut self,
+        name: &str,
+        vertex: &'static Shader,
+        fragment: Option<&'static Shader>,
+        state: Raster,
+        colors: Vec<(String, [u32; 4])>,
+        depth: (String, Option<u32>, f32),
+        geometry: Geometry,
+    ) -> &mut Pass {
+        self.pass(name, Work::Raster { vertex, fragment, state, colors, depth, geometry })
+    }
+
+    /// Adds a write of a few words into a buffer.
+    pub fn update(&mut self, name: &str, buffer: &str, bytes: Vec<u8>) {
+        self.pass(name, Work::Update { buffer: buffer.to_owned(), bytes });
+    }
+
+    /// Adds a clear of an image.
+    pub fn clear(&mut self, name: &str, image: &str, value: [f32; 4]) {
+        self.pass(name, Work::Clear { image: image.to_owned(), value });
+    }
+
+    /// Decides accesses, lifetimes, shared memory and barriers.
+    ///
+    /// # Errors
+    /// Where a shader names a resource that is not there, or reads one that nobody has written.
+    pub fn finish(&mut self) -> Result<(), PlanError> {
+        for index in 0..self.passes.len() {
+            let accesses = self.accesses(index)?;
+            for (name, usage) in &accesses {
+                if let Some(t) = self.targets.get_mut(name) {
+                    if t.lifetime.0 == usize::MAX && !usage.access().discards && !name.starts_with("absent") {
+                        return Err(PlanError::Unwritten { pass: self.passes[index].name.clone(), resource: name.clone() });
+                    }
+                    t.lifetime = (t.lifetime.0.min(index), t.lifetime.1.max(index));
+                    t.desc.usage |= image_usage(*usage);
+                }
+            }
+            self.passes[index].accesses = accesses;
+        }
+        let unused: Vec<String> =
+            self.targets.iter().filter(|(_, t)| t.lifetime.0 == usize::MAX).map(|(n, _)| n.clone()).collect();
+        for name in unused {
+            self.targets.remove(&name);
+        }
+        let tenants = self.share_memory();
+        self.place_barriers(&tenants);
+        Ok(())
+    }
+
+    /// What a pass touches, from its shader and attachments.
+    fn accesses(&mut self, index: usize) -> Result<Vec<(String, Usage)>, PlanError> {
+        let pass = self.passes[index].clone();
+        let mut list: Vec<(String, Usage)> = Vec::new();
+        let shaders: Vec<&'static Shader> = match &pass.work {
+            Work::Compute { shader, domain } => {
+                if let Domain::Tiles(buffer) = domain {
+                    list.push(((*buffer).to_owned(), Usage::Indirect));
+                }
+                vec![shader]
+            }
+            Work::Raster { vertex, fragment, colors, depth, .. } => {
+                list.extend(colors.iter().map(|(name, _)| (name.clone(), Usage::ColorAttachment)));
+                list.push((depth.0.clone(), Usage::DepthAttachment));
+                std::iter::once(*vertex).chain(*fragment).collect()
+            }
+            Work::Update { buffer, .. } => return Ok(vec![(buffer.clone(), Usage::CopyTo)]),
+            Work::Clear { image, .. } => return Ok(vec![(image.clone(), Usage::CopyTo)]),
+        };
+        let compute = matches!(pass.work, Work::Compute { .. });
+        for b in shaders.iter().flat_map(|s| s.bindings) {
+            let mut name = pass.aliases.get(b.name).cloned().unwrap_or_else(|| b.name.to_owned());
+            if self.external.contains(&name) {
+                continue;
+            }
+            let usage = match (b.kind, compute, b.read, b.write) {
+                (BindingKind::SampledImage, true, ..) => Usage::ComputeSampled,
+                (BindingKind::SampledImage, false, ..) => Usage::FragmentSampled,
+                (BindingKind::Uniform, true, ..) => Usage::ComputeUniform,
+                (BindingKind::Uniform, false, ..) => Usage::GraphicsUniform,
+                (_, false, ..) => Usage::GraphicsRead,
+                (_, true, true, false) => Usage::ComputeRead,
+                (BindingKind::StorageImage, true, false, true) => Usage::ComputeWrite,
+                (_, true, ..) => Usage::ComputeReadWrite,
+            };
+            if name.is_empty() {
+                name = self.placeholder(b.kind, b.format);
+                self.passes[index].aliases.insert(b.name, name.clone());
+            }
+            if !self.targets.contains_key(&name) && !self.buffers.contains_key(&name) {
+                return Err(PlanError::Unknown { pass: pass.name, resource: name });
+            }
+            if !list.iter().any(|(n, u)| *n == name && *u == usage) {
+                list.push((name, usage));
+            }
+        }
+        Ok(list)
+    }
+
+    /// A texel to bind where a specialised shader names a resource that it will not read.
+    fn placeholder(&mut self, kind: BindingKind, format: vk::Format) -> String {
+        let sampled = kind == BindingKind::SampledImage;
+        let format = if sampled { vk::Format::R8G8B8A8_UNORM } else { format };
+        let name = format!("absent {} {format:?}", if sampled { "sampled" } else { "storage" });
+        if !self.targets.contains_key(&name) {
+            self.image_as(&name, format, [1, 1], 1);
+        }
+        name
+    }
+
+    /// Gives each transient image a block; images whose lifetimes do not meet may share one. Returns, for each image, the
+    /// earlier tenants of its block.
+    fn share_memory(&mut self) -> BTreeMap<String, Vec<String>> {
+        let size = |t: &TargetPlan| {
+            u64::from(t.desc.size[0]) * u64::from(t.desc.size[1]) * u64::from(t.desc.layers) * texel_bytes(t.desc.format)
+        };
+        let mut order: Vec<(String, u64)> = self.targets.iter().map(|(n, t)| (n.clone(), size(t))).collect();
+        order.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
+        let mut blocks: Vec<Vec<String>> = Vec::new();
+        for (name, _) in order {
+            let me = &self.targets[&name];
+            let (first, last, kept, depth) =
+                (me.lifetime.0, me.lifetime.1, me.kept, me.desc.aspect() == vk::ImageAspectFlags::DEPTH);
+            let fits = |tenants: &Vec<String>| {
+                tenants.iter().all(|t| {
+                    let t = &self.targets[t];
+                    let same_kind = (t.desc.aspect() == vk::ImageAspectFlags::DEPTH) == depth;
+                    let apart = t.lifetime.1 < first || last < t.lifetime.0;
+                    same_kind && apart && !t.kept && !kept
+                })
+            };
+            let block = blocks.iter().position(fits).unwrap_or(blocks.len());
+            if block == blocks.len() {
+                blocks.push(Vec::new());
+            }
+            blocks[block].push(name.clone());
+            if let Some(t) = self.targets.get_mut(&name) {
+                t.block = block;
+            }
+        }
+        let mut tenants = BTreeMap::new();
+        for block in &blocks {
+            for name in block {
+                tenants.insert(name.clone(), block.iter().filter(|n| *n != name).cloned().collect());
+            }
+        }
+        tenants
+    }
+
+    /// Walks the frame twice: the first round finds how each resource ends a frame, the second starts from there, so that
+    /// a frame may follow another without the host between them.
+    fn place_barriers(&mut self, tenants: &BTreeMap<String, Vec<String>>) {
+        let mut states: BTreeMap<String, State> = BTreeMap::new();
+        for _ in 0..2 {
+            let mut first_use: BTreeMap<String, bool> = BTreeMap::new();
+            for pass in &mut self.passes {
+                pass.barriers.clear();
+                for (name, usage) in &pass.accesses {
+                    let image = self.targets.contains_key(name);
+                    let known = states.get(name).copied().unwrap_or(State::NEW);
+                    let mut state = known;
+                    if image && !std::mem::replace(first_use.entry(name.clone()).or_insert(false), true) {
+                        state = state.reborn();
+                        for other in tenants.get(name).into_iter().flatten() {
+                            state = state.and(states.get(other).unwrap_or(&State::NEW));
+                        }
+                    }
+                    if let Some(barrier) = state.next(*usage, image) {
+                        pass.barriers.push((name.clone(), barrier));
+                    }
+                    states.insert(name.clone(), state);
+                }
+            }
+        }
+    }
+
+    /// Bytes of device memory for the frame's images: what the blocks take, and what they would take unshared.
+    pub fn bytes(&self) -> (u64, u64) {
+        let mut blocks: BTreeMap<usize, u64> = BTreeMap::new();
+        let mut all = 0;
+        for t in self.targets.values() {
+            let bytes = self.target_bytes(t);
+            all += bytes;
+            let block = blocks.entry(t.block).or_default();
+            *block = (*block).max(bytes);
+        }
+        (blocks.values().sum(), all)
+    }
+
+    /// Bytes of texels of one image.
+    pub fn target_bytes(&self, t: &TargetPlan) -> u64 {
+        u64::from(t.desc.size[0]) * u64::from(t.desc.size[1]) * u64::from(t.desc.layers) * texel_bytes(t.desc.format)
+    }
+}
+
+impl Pass {
+    /// Sets a specialization constant.
+    pub fn constant(&mut self, name: &'static str, value: u32) -> &mut Self {
+        self.constants.push((name, value));
+        self
+    }
+
+    /// Binds another resource to one of the shader's names.
+    pub fn bind(&mut self, shader_name: &'static str, resource: impl Into<String>) -> &mut Self {
+        self.aliases.insert(shader_name, resource.into());
+        self
+    }
+
+    /// Binds a placeholder: the shader, as specialised, does not read it.
+    pub fn absent(&mut self, shader_name: &'static str) -> &mut Self {
+        self.bind(shader_name, "")
+    }
+
+    /// Sets the push constants.
+    pub fn push<T: bytemuck::NoUninit>(&mut self, value: &T) -> &mut Self {
+        self.push = bytemuck::bytes_of(value).to_vec();
+        self
+    }
+}
+
+fn image_usage(usage: Usage) -> vk::ImageUsageFlags {
+    match usage {
+        Usage::ComputeRead | Usage::ComputeWrite | Usage::ComputeReadWrite | Usage::GraphicsRead => {
+            vk::ImageUsageFlags::STORAGE
+        }
+        Usage::ComputeSampled | Usage::FragmentSampled => vk::ImageUsageFlags::SAMPLED,
+        Usage::ColorAttachment => vk::ImageUsageFlags::COLOR_ATTACHMENT,
+        Usage::DepthAttachment => vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
+        Usage::CopyFrom => vk::ImageUsageFlags::TRANSFER_SRC,
+        Usage::CopyTo => vk::ImageUsageFlags::TRANSFER_DST,
+        _ => vk::ImageUsageFlags::empty(),
+    }
+}
+
+/// Bytes of a texel of the formats in use.
+pub fn texel_bytes(format: vk::Format) -> u64 {
+    match format {
+        vk::Format::R32G32_UINT | vk::Format::R16G16B16A16_SFLOAT => 8,
+        vk::Format::R32G32B32A32_SFLOAT | vk::Format::R32G32B32A32_UINT => 16,
+        _ => 4,
+    }
+}

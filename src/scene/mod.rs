@@ -1,0 +1,184 @@
+//! Scenes: glTF files and built-in shapes in; triangles, materials, textures, lights and cameras in millimetres out.
+//!
+//! A scene is *flat*: every node's mesh is baked into world space, right-handed, +Y up, in mm relative to
+//! [`Scene::origin`], which is kept in f64 so that f32 positions stay exact to a few nanometres a metre wherever in the
+//! world the object lies. The triangles of one material are one contiguous [`Draw`]. What a file leaves undefined
+//! (missing or zero normals, degenerate or duplicate triangles, NaN) is defined here, counted, and said once in
+//! [`Scene::warnings`]; what contradicts itself is refused with one line naming the place.
+
+mod bake;
+mod camera;
+mod error;
+mod gltf;
+mod light;
+mod material;
+mod normals;
+mod shape;
+mod shape_mesh;
+mod tangents;
+
+use std::path::Path;
+
+use glam::{DVec3, Vec3};
+
+pub use camera::{Camera, Projection};
+pub use error::SceneError;
+pub use light::{Light, LightKind, direction_from};
+pub use material::{Alpha, Filter, Material, Texture, Wrap};
+pub use shape::{ShapeSpec, shape_curvature, shape_normal};
+
+/// Everything a frame can draw, in mm, relative to [`origin`](Self::origin).
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The file's stem, or the shape's text.
+    pub name: String,
+    /// World position, mm, that all stored positions are relative to: the centre of the world bounding box.
+    pub origin: DVec3,
+    /// Bounding box of the drawn triangles, mm, relative to the origin. One point at zero where nothing is drawn.
+    pub bounds: Aabb,
+    /// Vertex positions, mm, finite.
+    pub positions: Vec<[f32; 3]>,
+    /// Unit vertex normals, as many as positions.
+    pub normals: Vec<[f32; 3]>,
+    /// Unit tangents and the bitangent's sign (bitangent = sign * normal x tangent); empty if no material has a normal
+    /// map, else as many as positions.
+    pub tangents: Vec<[f32; 4]>,
+    /// Texture coordinates, v downwards; empty if no texture is used (and `keep_uvs` is off), else as many as positions.
+    pub uvs: Vec<[f32; 2]>,
+    /// Triangles, counter-clockwise seen from the front; every index is below `positions.len()`.
+    pub indices: Vec<u32>,
+    /// Runs of `indices`, one for each material, in the order of `materials`.
+    pub draws: Vec<Draw>,
+    /// The materials that are drawn.
+    pub materials: Vec<Material>,
+    /// The textures that the materials name.
+    pub textures: Vec<Texture>,
+    /// Lights of the file; none for shapes.
+    pub lights: Vec<Light>,
+    /// Cameras of the file; none for shapes.
+    pub cameras: Vec<Camera>,
+    /// What was ignored, repaired or assumed, each once, with counts; for people to read.
+    pub warnings: Vec<String>,
+}
+
+/// One run of triangles with one material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Draw {
+    /// Index into [`Scene::materials`].
+    pub material: usize,
+    /// First entry of [`Scene::indices`].
+    pub first_index: u32,
+    /// Entries, a positive multiple of 3.
+    pub index_count: u32,
+}
+
+/// An axis-aligned box, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aabb {
+    /// Smallest corner.
+    pub min: Vec3,
+    /// Largest corner.
+    pub max: Vec3,
+}
+
+impl Aabb {
+    /// The smallest box around finite points; one point at zero if there are none.
+    pub fn around(points: &[[f32; 3]]) -> Self {
+        let mut points = points.iter().map(|&p| Vec3::from(p));
+        let first = points.next().unwrap_or(Vec3::ZERO);
+        let start = Self { min: first, max: first };
+        points.fold(start, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+    }
+
+    /// Middle of the box, mm.
+    pub fn center(&self) -> Vec3 {
+        self.min.midpoint(self.max)
+    }
+
+    /// Edges of the box, mm, none negative.
+    pub fn size(&self) -> Vec3 {
+        self.max - self.min
+    }
+}
+
+/// How a file is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LoadOptions {
+    /// Millimetres in one unit of the file; 1000 if absent, since glTF is in metres. Positive and finite.
+    pub mm_per_unit: Option<f64>,
+    /// Keep the file's first UV set even where no texture is used, for methods that work in texture space.
+    pub keep_uvs: bool,
+}
+
+impl Scene {
+    /// A scene from what stands on the command line: `shape:...` or the path of a glTF file.
+    ///
+    /// # Errors
+    /// Those of [`Scene::shape`] and [`Scene::load`].
+    pub fn open(arg: &str, options: &LoadOptions) -> Result<Self, SceneError> {
+        if arg.starts_with("shape:") { Self::shape(arg) } else { Self::load(Path::new(arg), options) }
+    }
+
+    /// Reads a `.gltf` or `.glb` file with the buffers and images it names. The default scene is used, else the first,
+    /// else all root nodes.
+    ///
+    /// # Errors
+    /// If a file cannot be read, breaks the format, requires an extension that is not supported, or is larger than
+    /// the limits on memory (16 times its bytes and 256 MiB while reading). Never panics on malformed input.
+    pub fn load(path: &Path, options: &LoadOptions) -> Result<Self, SceneError> {
+        let mm_per_unit = options.mm_per_unit.unwrap_or(1000.0);
+        if !(mm_per_unit.is_finite() && mm_per_unit > 0.0) {
+            return Err(SceneError::Option {
+                option: "mm_per_unit",
+                value: mm_per_unit,
+                reason: "it must be positive and finite, such as 1000 for metres",
+            });
+        }
+        gltf::load(path, mm_per_unit, options.keep_uvs)
+    }
+
+    /// A built-in shape, such as `shape:torus:70,25` (mm), finely tessellated, with analytic normals and UVs, centred
+    /// at the origin. Sizes left out take the defaults of [`ShapeSpec`].
+    ///
+    /// # Errors
+    /// If the text names no shape or its sizes are out of range.
+    pub fn shape(text: &str) -> Result<Self, SceneError> {
+        Ok(shape_mesh::build(text, &text.parse::<ShapeSpec>()?))
+    }
+
+    /// Gives the profile with this index to the materials of this name, or, without a name, to every opaque dielectric
+    /// (see [`Material::is_opaque_dielectric`]).
+    ///
+    /// # Errors
+    /// If no material has the name; the message lists those there are.
+    pub fn assign_profile(&mut self, material_name: Option<&str>, profile: usize) -> Result<(), SceneError> {
+        let mut found = false;
+        for material in &mut self.materials {
+            let chosen = match material_name {
+                Some(name) => material.name == name,
+                None => material.is_opaque_dielectric(),
+            };
+            if chosen {
+                material.scatter = Some(profile);
+                found = true;
+            }
+        }
+        match material_name {
+            Some(name) if !found => Err(SceneError::Material { name: name.to_owned(), known: self.material_names() }),
+            _ => Ok(()),
+        }
+    }
+
+    fn material_names(&self) -> String {
+        if self.materials.is_empty() {
+            return "no materials".to_owned();
+        }
+        let names: Vec<_> = self.materials.iter().map(|m| format!("'{}'", m.name)).collect();
+        names.join(", ")
+    }
+
+    /// Triangles drawn.
+    pub fn triangle_count(&self) -> usize {
+        self.indices.len() / 3
+    }
+}

@@ -1,0 +1,253 @@
+//! What a frame can be asked for. Declared once, as data: the command line is made from these types.
+
+use clap::{Args, ValueEnum};
+
+/// A whole way to shade.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Nothing scatters: the floor.
+    Lambert,
+    /// Normals and curvature blurred by a cross-bilateral filter, pre-integrated lighting (Chen, Lambert & Penner 2014).
+    #[default]
+    Pdss,
+    /// Un-normalised blurred normals and their spread, closed form per Gaussian of the profile.
+    Moments,
+}
+
+/// How much work a method does; passes and resolution follow from it unless they are given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quality {
+    /// Quarter resolution, fewest passes.
+    Low,
+    /// Half resolution.
+    Medium,
+    /// Half resolution for wide levels of the profile, all levels.
+    #[default]
+    High,
+    /// Full resolution, two passes a level.
+    Ultra,
+}
+
+/// Screen-space curvature estimator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Curvature {
+    /// Hessian of -n.xy/n.z (Vergne et al. 2009): the rival; divides by n.z.
+    Vergne,
+    /// trace(grad n)/2 by the projection's own Jacobian (the poster's equation 1).
+    Trace,
+    /// Four neighbours, measured tangent basis, side selection.
+    #[default]
+    Metric,
+    /// Eight neighbours, weighted least squares.
+    Fit,
+}
+
+/// Resolution of the blur.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Resolution {
+    /// Every pixel.
+    Full,
+    /// One of 2 x 2.
+    Half,
+    /// One of 4 x 4.
+    Quarter,
+}
+
+impl Resolution {
+    /// Pixels per texel and axis.
+    pub fn stride(self) -> u32 {
+        match self {
+            Resolution::Full => 1,
+            Resolution::Half => 2,
+            Resolution::Quarter => 4,
+        }
+    }
+}
+
+/// Which twin of the hand-written kernels runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kernels {
+    /// As compiled from GLSL.
+    #[default]
+    Glsl,
+    /// The hand-written SPIR-V, for the stages and estimators that have one.
+    Spirv,
+}
+
+/// The integral behind the look-up table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Integral {
+    /// Over a sphere, exact energy.
+    #[default]
+    Sphere,
+    /// Over a ring, each Gaussian integrated along the cylinder: exact for a cylinder.
+    Ring,
+    /// Over a ring, the literal reading of Penner & Borshukov 2011.
+    RingLiteral,
+}
+
+/// Tone curve of the PNG.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ToneMap {
+    /// Khronos PBR Neutral: hue-preserving, identity in the mid tones.
+    #[default]
+    Neutral,
+    /// None: clamp and encode as sRGB.
+    Linear,
+}
+
+/// What the picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum View {
+    /// The lit picture.
+    #[default]
+    Final,
+    /// Base colour, linear.
+    Albedo,
+    /// Unit normal that curvature is measured on, world space.
+    Normal,
+    /// Unit normal that light falls on, world space.
+    ShadingNormal,
+    /// World position, mm.
+    Position,
+    /// Distance along the view axis, mm.
+    Depth,
+    /// Roughness, metallic, occlusion.
+    Material,
+    /// H in 1/mm, K in 1/mm^2, confidence.
+    Curvature,
+    /// The widest level's normal, un-normalised, world space.
+    SoftNormal,
+    /// The widest level's H in 1/mm.
+    SoftCurvature,
+    /// Ambient visibility from curvature, 0..1.
+    Ao,
+    /// Visibility of up to three lights, before it is scattered.
+    Visibility,
+    /// Irradiance over pi, unscattered, with shadows.
+    Irradiance,
+    /// Diffuse exitance with unit-white albedo, no specular, no ambient: what truth also writes.
+    Scatter,
+}
+
+/// Everything that decides a frame besides its scene, camera, lights and profile.
+#[derive(Clone, Debug, Args, serde::Serialize)]
+pub struct Settings {
+    /// Way to shade.
+    #[arg(long, value_enum, default_value_t)]
+    pub method: Method,
+    /// Work per frame; decides passes and resolution unless they are given.
+    #[arg(long, value_enum, default_value_t)]
+    pub quality: Quality,
+    /// Curvature estimator.
+    #[arg(long, value_enum, default_value_t)]
+    pub curvature: Curvature,
+    /// Blur passes, 1 to 12.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=12))]
+    pub passes: Option<u32>,
+    /// Resolution of the blur.
+    #[arg(long, value_enum)]
+    pub resolution: Option<Resolution>,
+    /// Which kernels run where there are two.
+    #[arg(long, value_enum, default_value_t)]
+    pub kernels: Kernels,
+    /// Integral behind the look-up table of `pdss`.
+    #[arg(long, value_enum, default_value_t)]
+    pub integral: Integral,
+    /// What the picture shows.
+    #[arg(long, value_enum, default_value_t)]
+    pub view: View,
+    /// Tone curve of the PNG.
+    #[arg(long, value_enum, default_value_t)]
+    pub tone_map: ToneMap,
+    /// Exposure in stops.
+    #[arg(long, default_value_t = 0., allow_hyphen_values = true)]
+    pub exposure: f32,
+    /// Ambient radiance from above and, after a colon, from below: r,g,b[:r,g,b] or one grey number.
+    #[arg(long, default_value = "0.03", value_parser = parse_ambient)]
+    pub ambient: Ambient,
+    /// Cast no shadows.
+    #[arg(long)]
+    pub no_shadows: bool,
+    /// No ambient occlusion from curvature.
+    #[arg(long)]
+    pub no_ao: bool,
+    /// Run everything, needed or not.
+    #[arg(long)]
+    pub no_elide: bool,
+    /// Picture size in pixels.
+    #[arg(long, default_value = "1650x1080", value_parser = parse_size, value_name = "WxH")]
+    pub size: Size,
+}
+
+/// Width and height in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Size {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+}
+
+/// Ambient radiance of a two-colour sky.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Ambient {
+    /// From above.
+    pub up: [f32; 3],
+    /// From below.
+    pub down: [f32; 3],
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            method: Method::default(),
+            quality: Quality::default(),
+            curvature: Curvature::default(),
+            passes: None,
+            resolution: None,
+            kernels: Kernels::default(),
+            integral: Integral::default(),
+            view: View::default(),
+            tone_map: ToneMap::default(),
+            exposure: 0.,
+            ambient: Ambient { up: [0.03; 3], down: [0.03; 3] },
+            no_shadows: false,
+            no_ao: false,
+            no_elide: false,
+            size: Size { width: 1650, height: 1080 },
+        }
+    }
+}
+
+fn parse_size(text: &str) -> Result<Size, String> {
+    let wrong = || format!("{text:?} is not a size; 1650x1080 would be");
+    let (w, h) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
+    let size = Size { width: w.parse().map_err(|_| wrong())?, height: h.parse().map_err(|_| wrong())? };
+    if (1..=16384).contains(&size.width) && (1..=16384).contains(&size.height) {
+        Ok(size)
+    } else {
+        Err(format!("{text:?} is out of range; each side is 1 to 16384 pixels"))
+    }
+}
+
+fn parse_ambient(text: &str) -> Result<Ambient, String> {
+    let color = |t: &str| -> Result<[f32; 3], String> {
+        let v: Vec<f32> = t.split(',').filter_map(|x| x.trim().parse().ok()).filter(|x: &f32| x.is_finite() && *x >= 0.).collect();
+        match (v.as_slice(), t.split(',').count()) {
+            ([g], 1) => Ok([*g; 3]),
+            ([r, g, b], 3) => Ok([*r, *g, *b]),
+            _ => Err(format!("{t:?} is not a colour; 0.03 or 0.02,0.03,0.04 would be")),
+        }
+    };
+    let (up, down) = text.split_once(':').unwrap_or((text, text));
+    Ok(Ambient { up: color(up)?, down: color(down)? })
+}

@@ -1,0 +1,80 @@
+//! The shaders, as the build compiled them: code and everything the host must know, read from the SPIR-V itself.
+
+use ash::vk;
+
+/// Which stage of the pipeline a module is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShaderStage {
+    /// A compute kernel.
+    Compute,
+    /// A vertex shader.
+    Vertex,
+    /// A fragment shader.
+    Fragment,
+}
+
+/// What a binding binds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BindingKind {
+    /// An image read and written by texel.
+    StorageImage,
+    /// An image with its sampler.
+    SampledImage,
+    /// A uniform buffer.
+    Uniform,
+    /// A storage buffer.
+    Storage,
+}
+
+/// One resource of a shader; it is bound by its name.
+#[derive(Clone, Copy, Debug)]
+pub struct Binding {
+    /// The variable's name in GLSL: the name of the target or buffer bound to it.
+    pub name: &'static str,
+    /// Binding number in set 0.
+    pub binding: u32,
+    /// What it binds.
+    pub kind: BindingKind,
+    /// The shader reads it.
+    pub read: bool,
+    /// The shader writes it.
+    pub write: bool,
+    /// Declared texel format of a storage image; UNDEFINED where it has none.
+    pub format: vk::Format,
+}
+
+/// The layout of one block as the compiler laid it out.
+#[derive(Clone, Copy, Debug)]
+pub struct Block {
+    /// Name of the block's type.
+    pub name: &'static str,
+    /// Bytes, without a trailing runtime array.
+    pub size: u32,
+    /// Name and byte offset of each member.
+    pub members: &'static [(&'static str, u32)],
+}
+
+/// One compiled module.
+#[derive(Debug)]
+pub struct Shader {
+    /// Name in this table.
+    pub name: &'static str,
+    /// File stem under `glsl/`.
+    pub stem: &'static str,
+    /// Stage.
+    pub stage: ShaderStage,
+    /// SPIR-V, little endian.
+    pub code: &'static [u8],
+    /// Threads of a workgroup.
+    pub workgroup: [u32; 3],
+    /// Bytes of push constants.
+    pub push_size: u32,
+    /// Resources, by binding number.
+    pub bindings: &'static [Binding],
+    /// Specialization constants: name and id. Those that the optimiser removed are absent.
+    pub constants: &'static [(&'static str, u32)],
+    /// Blocks with their member offsets.
+    pub blocks: &'static [Block],
+}
+
+include!(concat!(env!("OUT_DIR"), "/shaders.rs"));

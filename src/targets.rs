@@ -1,0 +1,39 @@
+//! Every image a stage writes: format, unit, range, space, who writes it, who reads it.
+
+use ash::vk;
+
+/// One line of the table.
+#[derive(Debug)]
+pub struct Target {
+    /// Name in shaders, plans and views; numbered targets share the line of their stem.
+    pub name: &'static str,
+    /// Texel format.
+    pub format: vk::Format,
+    /// What a texel means, who writes and who reads it.
+    pub meaning: &'static str,
+}
+
+/// The table.
+#[rustfmt::skip]
+pub const TARGETS: &[Target] = &[
+    Target { name: "depth", format: vk::Format::D32_SFLOAT, meaning: "reversed infinite depth, 0 far. gbuffer tests and writes; nobody reads" },
+    Target { name: "viewz", format: vk::Format::R32_SFLOAT, meaning: "distance along the view axis, mm; negated where the surface scatters; 0 background. gbuffer writes, every screen stage reads" },
+    Target { name: "normal", format: vk::Format::R32_UINT, meaning: "unit normal, unbumped, view space, towards the eye, octahedral 2 x snorm16. gbuffer writes; curvature, blur, light read" },
+    Target { name: "bumped", format: vk::Format::R32_UINT, meaning: "unit normal with the normal map, view space, octahedral 2 x snorm16. gbuffer writes; blur, light read" },
+    Target { name: "albedo", format: vk::Format::R8G8B8A8_UNORM, meaning: "rgb: square root of linear base colour, 0..1; a: scatter mask. gbuffer writes, light reads" },
+    Target { name: "material", format: vk::Format::R8G8B8A8_UNORM, meaning: "r perceptual roughness, g metallic, b occlusion, a square root of F0. gbuffer writes, light reads" },
+    Target { name: "curvature", format: vk::Format::R32G32_UINT, meaning: "x: H in 1/mm as f32 bits, convex > 0; y: half sign(K) sqrt|K| times the pixel's footprint, half confidence 0..1. curvature writes, blur reads" },
+    Target { name: "visibility", format: vk::Format::R32_UINT, meaning: "visibility of two lights, 0..1, 2 x unorm16. visibility writes; blur, light read" },
+    Target { name: "soft", format: vk::Format::R32G32_UINT, meaning: "blurred level: un-normalised mean normal, view space, 3 x snorm16; H times the profile's length, half. blur writes and reads, light reads" },
+    Target { name: "softvis", format: vk::Format::R32_UINT, meaning: "blurred visibility of two lights, 2 x unorm16. blur writes and reads, light reads" },
+    Target { name: "hdr", format: vk::Format::R16G16B16A16_SFLOAT, meaning: "radiance, linear Rec. 709; a coverage. light writes, tonemap reads" },
+    Target { name: "exr", format: vk::Format::R32G32B32A32_SFLOAT, meaning: "the same or a view in 32 bit; light or view writes, the host reads" },
+    Target { name: "ldr", format: vk::Format::R8G8B8A8_UNORM, meaning: "sRGB-encoded picture. tonemap writes, the host reads" },
+    Target { name: "shadow", format: vk::Format::D32_SFLOAT, meaning: "depth from each light, reversed, one layer a light (six a point light). shadow writes; visibility, light sample" },
+];
+
+/// The line of a target; numbers at the end of a name do not matter.
+pub fn describe(name: &str) -> Option<&'static Target> {
+    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    TARGETS.iter().find(|t| t.name == stem)
+}

@@ -1,0 +1,18 @@
+//! The science against independent twins: published tables, tanh-sinh quadrature, Monte Carlo, closed forms.
+//!
+//! Every checker is also shown a wrong answer that looks right, and must catch it.
+
+#[path = "skin/lut.rs"]
+mod lut;
+#[path = "skin/moments.rs"]
+mod moments;
+#[path = "skin/occlusion.rs"]
+mod occlusion;
+#[path = "skin/profile.rs"]
+mod profile;
+#[path = "skin/ring.rs"]
+mod ring;
+#[path = "skin/sphere.rs"]
+mod sphere;
+#[path = "skin/twin.rs"]
+mod twin;
