@@ -5,7 +5,7 @@
 //! with ray_k = (slope of the view ray, -1), P_k - P_0 = z_0 (ray_k - ray_0) + (z_k - z_0) ray_k, which divided by q is
 //! a constant pixel step plus e_k ray_k, e_k = (z_k - z_0) / q. Only the two stored distances are subtracted, and that
 //! subtraction is exact in floating point between neighbours; products z ray are never differenced.
-pub mod real;
+mod real;
 
 use real::{Real, V3, add, cross, dot, scale, sub};
 
@@ -23,8 +23,10 @@ pub enum Estimator {
 }
 
 impl Estimator {
+    /// Every estimator, in the shader's order.
     pub const ALL: [Self; 4] = [Self::Vergne, Self::Trace, Self::Metric, Self::Fit];
 
+    /// As the command line spells it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Vergne => "vergne",
@@ -40,11 +42,14 @@ impl Estimator {
 pub struct Camera {
     /// View x, y per pixel at unit distance (perspective) or in mm (orthographic). Signed: y usually runs down.
     pub ray_scale: [f64; 2],
+    /// In the same unit.
     pub ray_offset: [f64; 2],
+    /// Or orthographic.
     pub perspective: bool,
 }
 
 impl Camera {
+    /// Pixels per mm at unit distance.
     pub fn pixels_per_mm(&self) -> f64 {
         (1.0 / self.ray_scale[1]).abs()
     }
@@ -58,12 +63,15 @@ impl Camera {
 /// What the estimators read, row by row from the top.
 #[derive(Debug, Clone)]
 pub struct GBuffer {
+    /// Pixels.
     pub width: usize,
+    /// Pixels.
     pub height: usize,
     /// Distance along the view axis in mm; negated where the surface scatters; 0 is background.
     pub z: Vec<f64>,
     /// Unit, view space, unbumped, facing the viewer.
     pub normal: Vec<[f64; 3]>,
+    /// What they were seen with.
     pub camera: Camera,
 }
 
