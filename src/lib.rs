@@ -2,10 +2,13 @@
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod frame;
 pub mod gpu;
+pub mod methods;
 pub mod plan;
 pub mod scene;
 pub mod settings;
 pub mod shaders;
 pub mod skin;
+pub mod stages;
 pub mod targets;
