@@ -179,15 +179,13 @@ impl Rig {
             times.extend(stamps.and_then(|s| s[1]));
         }
 
-        let words: Vec<u32> =
-            result.bytes().expect("mapped").as_chunks().0.iter().map(|b| u32::from_le_bytes(*b)).collect();
+        let word = |b: &[u8]| u32::from_le_bytes([b[0], b[1], b[2], b[3]]);
         let half = |w: u32| half::f16::from_bits(w as u16).to_f64();
-        let texel = |w: &[u32; 2]| Texel {
-            bits: *w,
-            h: f64::from(f32::from_bits(w[0])),
-            root_k: half(w[1]),
-            confidence: half(w[1] >> 16),
+        let texel = |b: &[u8]| {
+            let bits = [word(b), word(&b[4..])];
+            let h = f64::from(f32::from_bits(bits[0]));
+            Texel { bits, h, root_k: half(bits[1]), confidence: half(bits[1] >> 16) }
         };
-        (words.as_chunks().0.iter().map(texel).collect(), times)
+        (result.bytes().expect("mapped").chunks_exact(8).map(texel).collect(), times)
     }
 }
