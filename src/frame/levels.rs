@@ -146,11 +146,7 @@ impl Levels {
             let extra = (passes - levels) / levels + u32::from(i as u32 >= levels - (passes - levels) % levels);
             let share = (level.variance - before) / f64::from(1 + extra);
             for pass in 0..=extra {
-                self.steps.push(Step {
-                    variance: share,
-                    stride: (source, level.stride),
-                    level: (pass == extra).then_some(i),
-                });
+                self.steps.push(Step { variance: share, stride: (source, level.stride), level: (pass == extra).then_some(i) });
                 source = level.stride;
             }
             before = level.variance;
@@ -165,9 +161,7 @@ fn most_levels(settings: &Settings) -> u32 {
         (Method::Moments, _) => MAX_LEVELS as u32,
         _ => 3,
     };
-    settings.passes.map_or(by_quality, |p| {
-        if settings.method == Method::Pdss { p.min(MAX_LEVELS as u32) } else { by_quality.min(p.max(1)) }
-    })
+    settings.passes.map_or(by_quality, |p| if settings.method == Method::Pdss { p.min(MAX_LEVELS as u32) } else { by_quality.min(p.max(1)) })
 }
 
 /// At most `count` Gaussians besides the narrow ones: neighbours whose union moves least energy least far are merged, their
@@ -177,9 +171,7 @@ fn merge(mut gaussians: Vec<Gaussian>, count: u32) -> Vec<Gaussian> {
     gaussians.sort_by(|a, b| a.variance.total_cmp(&b.variance));
     let energy = |g: &Gaussian| g.weight.iter().sum::<f64>();
     // The narrow half of a profile is the sharp term; it does not count.
-    while gaussians.iter().filter(|g| g.variance > 0.1 * gaussians.last().map_or(0., |l| l.variance)).count()
-        > count as usize
-    {
+    while gaussians.iter().filter(|g| g.variance > 0.1 * gaussians.last().map_or(0., |l| l.variance)).count() > count as usize {
         let cost = |i: usize| {
             let (a, b) = (&gaussians[i], &gaussians[i + 1]);
             let (ea, eb) = (energy(a), energy(b));

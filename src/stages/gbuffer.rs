@@ -36,15 +36,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     };
     let colors = colors.into_iter().map(|n| (n.to_owned(), [0; 4])).collect();
     let depth = ("depth".to_owned(), None, 0.);
-    plan.raster(
-        "gbuffer",
-        &shaders::GBUFFER_VERT,
-        Some(&shaders::GBUFFER_FRAG),
-        state,
-        colors,
-        depth,
-        Geometry::Materials,
-    )
-    .constant("HAS_UV", u32::from(s.uvs))
-    .constant("HAS_TANGENT", u32::from(s.normal_maps));
+    plan.raster("gbuffer", &shaders::GBUFFER_VERT, Some(&shaders::GBUFFER_FRAG), state, colors, depth, Geometry::Materials)
+        .constant("HAS_UV", u32::from(s.uvs))
+        .constant("HAS_TANGENT", u32::from(s.normal_maps));
 }
