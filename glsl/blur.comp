@@ -70,68 +70,99 @@ ivec2 representative(ivec2 texel, int stride) {
     return min(texel * stride + stride / 2, frame.size - 1);
 }
 
+// One tap: where it lands is a whole pixel, so its weight is corrected for where that is.
+struct Kernel {
+    ivec2 pixel;
+    vec3 p0, v;
+    vec2 ray;           // view ray of the pixel
+    float z, facing, falloff;
+};
+
+struct Sum {
+    vec3 n;
+    float weight, h, h_weight;
+    vec2 lit;
+};
+
+void tap(inout Sum sum, Kernel k, ivec2 offset, float rule, float planned) {
+    ivec2 q = k.pixel + offset;
+    // Clamped and weighed nothing rather than skipped: lanes do not part.
+    ivec2 inside = clamp(q, ivec2(0), frame.size - 1);
+    ivec2 texel = inside / SOURCE_STRIDE;
+    ivec2 seat = SOURCE_STRIDE == 1 ? inside : representative(texel, SOURCE_STRIDE);
+    float z = -imageLoad(viewz, seat).x;
+    Sample s = fetch(texel);
+    vec2 ray = k.ray + frame.ray_scale * vec2(seat - k.pixel);
+    vec3 d = vec3(ray * mix(1., z, frame.perspective), -z) - k.p0;
+    float area = k.facing / max(dot(s.n, k.v), .1);
+    float w = rule * exp2(clamp((planned - dot(d, d)) * k.falloff, -80., 6.)) * area;
+    w = z > 0. && q == inside ? w : 0.;
+    sum.n += s.n * w;
+    sum.weight += w;
+    if (CURVATURE) {
+        sum.h += s.h * s.confidence * w;
+        sum.h_weight += s.confidence * w;
+    }
+#if LIT
+    sum.lit += s.lit * w;
+#endif
+}
+
 void main() {
     ivec2 texel = tile_pixel();
-    ivec2 pixel = representative(texel, TARGET_STRIDE);
+    ivec2 pixel = TARGET_STRIDE == 1 ? texel : representative(texel, TARGET_STRIDE);
     if (any(greaterThanEqual(texel * TARGET_STRIDE, frame.size))) return;
-    float z = -imageLoad(viewz, pixel).x;
-    if (z <= 0.) return;
-    ivec2 home = pixel / SOURCE_STRIDE;
-    Sample centre = fetch(home);
-    vec3 p0 = view_position(pixel, z);
-    vec3 v = view_direction(p0);
+    Kernel k;
+    k.pixel = pixel;
+    k.z = -imageLoad(viewz, pixel).x;
+    if (k.z <= 0.) return;
+    Sample centre = fetch(pixel / SOURCE_STRIDE);
+    k.ray = view_ray(pixel).xy;
+    float distance = mix(1., k.z, frame.perspective);
+    k.p0 = vec3(k.ray * distance, -k.z);
+    k.v = view_direction(k.p0);
     float square = dot(centre.n, centre.n);
-    vec3 n0 = square > 0. ? centre.n * inversesqrt(square) : v;
-    float facing = max(dot(n0, v), .1);
+    vec3 n0 = square > 0. ? centre.n * inversesqrt(square) : k.v;
+    float along = dot(n0, k.v);
+    k.facing = max(along, .1);
+    k.falloff = .5 * 1.44269504 / push.variance;
 
     // Tangents: along the slope and across it. Their images on the screen, in pixels per sqrt(3 variance).
-    vec3 slope = v - n0 * dot(n0, v);
+    vec3 slope = k.v - n0 * along;
     float steep = dot(slope, slope);
-    vec3 t = steep > 1e-8 ? slope * inversesqrt(steep) : normalize(cross(n0, abs(n0.x) < .7 ? vec3(1., 0., 0.) : vec3(0., 1., 0.)));
+    vec3 other = cross(n0, abs(n0.x) < .7 ? vec3(1., 0., 0.) : vec3(0., 1., 0.));
+    vec3 t = steep > 1e-8 ? slope * inversesqrt(steep) : other * inversesqrt(dot(other, other));
     vec3 b = cross(n0, t);
-    float radius = sqrt(3. * push.variance);
-    float distance = mix(1., z, frame.perspective);
-    vec2 ray = view_ray(pixel).xy * frame.perspective;
-    vec2 scale = radius / (distance * frame.ray_scale);
-    vec2 step_t = (t.xy + ray * t.z) * scale, step_b = (b.xy + ray * b.z) * scale;
+    float planned = 3. * push.variance;
+    vec2 scale = sqrt(planned) / (distance * frame.ray_scale);
+    vec2 ray = k.ray * frame.perspective;
+    // A step beyond the integers' range must not wrap.
+    vec2 step_t = clamp((t.xy + ray * t.z) * scale, vec2(-1e6), vec2(1e6));
+    vec2 step_b = clamp((b.xy + ray * b.z) * scale, vec2(-1e6), vec2(1e6));
+    ivec2 et = ivec2(round(step_t)), eb = ivec2(round(step_b));
+    ivec2 ec = ivec2(round(step_t + step_b)), ed = ivec2(round(step_t - step_b));
 
-    float falloff = .5 / push.variance, planned = 3. * push.variance;
-    vec3 n = centre.n * (4. / 9.);
-    float weight = 4. / 9.;
-    float h = centre.h * centre.confidence * weight, h_weight = centre.confidence * weight;
+    Sum sum;
+    sum.weight = 4. / 9.;
+    sum.n = centre.n * sum.weight;
+    sum.h = centre.h * centre.confidence * sum.weight;
+    sum.h_weight = centre.confidence * sum.weight;
 #if LIT
-    vec2 lit = centre.lit * weight;
+    sum.lit = centre.lit * sum.weight;
 #endif
-    for (int i = 0; i < 9; ++i) {
-        if (i == 4) continue;
-        int x = i % 3 - 1, y = i / 3 - 1;
-        vec2 at = vec2(pixel) + step_t * float(x) + step_b * float(y);
-        // A step beyond the integers' range must not wrap.
-        at = clamp(at, vec2(-1e6), vec2(1e6));
-        ivec2 q = ivec2(floor(at + .5));
-        if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, frame.size))) continue;
-        ivec2 tap = q / SOURCE_STRIDE;
-        ivec2 seat = representative(tap, SOURCE_STRIDE);
-        float tz = -imageLoad(viewz, seat).x;
-        if (tz <= 0.) continue;
-        Sample s = fetch(tap);
-        vec3 d = view_position(seat, tz) - p0;
-        float rule = x != 0 && y != 0 ? 1. / 36. : 1. / 9.;
-        float want = planned * float(x * x + y * y);
-        float area = facing / max(dot(s.n, v), .1);
-        float w = rule * exp(clamp((want - dot(d, d)) * falloff, -60., 4.)) * area;
-        n += s.n * w;
-        weight += w;
-        h += s.h * s.confidence * w;
-        h_weight += s.confidence * w;
+    tap(sum, k, et, 1. / 9., planned);
+    tap(sum, k, -et, 1. / 9., planned);
+    tap(sum, k, eb, 1. / 9., planned);
+    tap(sum, k, -eb, 1. / 9., planned);
+    tap(sum, k, ec, 1. / 36., 2. * planned);
+    tap(sum, k, -ec, 1. / 36., 2. * planned);
+    tap(sum, k, ed, 1. / 36., 2. * planned);
+    tap(sum, k, -ed, 1. / 36., 2. * planned);
+
+    float scale_back = 1. / sum.weight;
+    float h = sum.h_weight > 0. ? sum.h / sum.h_weight : 0.;
+    imageStore(target, texel, uvec4(level_encode(sum.n * scale_back, clamp(h, -6e4, 6e4)), 0u, 0u));
 #if LIT
-        lit += s.lit * w;
-#endif
-    }
-    n /= weight;
-    h = h_weight > 0. ? h / h_weight : 0.;
-    imageStore(target, texel, uvec4(level_encode(n, clamp(h, -6e4, 6e4)), 0u, 0u));
-#if LIT
-    imageStore(target_lit, texel, uvec4(packUnorm2x16(lit / weight)));
+    imageStore(target_lit, texel, uvec4(packUnorm2x16(sum.lit * scale_back)));
 #endif
 }

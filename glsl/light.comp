@@ -24,7 +24,7 @@
 #define OUTPUT_AO 3
 
 layout(constant_id = 0) const int OUTPUT = OUTPUT_FINAL;
-layout(constant_id = 1) const bool SHADOWS = true;
+layout(constant_id = 1) const bool LOOK_UP = true;       // some light without a slot casts a shadow
 layout(constant_id = 2) const bool SLOTS = true;         // the lit target is there
 layout(constant_id = 3) const bool SPECULAR = true;
 layout(constant_id = 4) const bool AO = true;
@@ -192,7 +192,7 @@ void main() {
     vec3 kept = SPECULAR ? (1. - m.g) * (1. - specular_albedo(clamp(dot(n, v), 0., 1.), m.r, f0)) : vec3(1.);
 
     vec3 exitance = vec3(0.), reflected = vec3(0.), arriving = vec3(0.);
-    for (uint i = 0u; i < frame.light_count; ++i) {
+    for (int i = 0; i < LIGHTS; ++i) {
         Light light = lights.light[i];
         vec3 irradiance;
         vec3 l = light_arrives(light, p, irradiance);
@@ -201,7 +201,7 @@ void main() {
         float own = light.slot == 0 ? sharp.x : sharp.y;
         float shade = 1.;
         if (slotted) shade = c > 1e-3 ? min(own / c, 1.) : 0.;
-        else if (SHADOWS && light.layer >= 0) shade = shadow_visibility(light, p, n, l, mat3(frame.world_from_view));
+        else if (LOOK_UP && light.layer >= 0) shade = shadow_visibility(light, p, n, l, mat3(frame.world_from_view));
         vec3 lit_here = vec3(slotted ? own : max(c, 0.) * shade);
 #if METHOD == 1
         if (scatters) {

@@ -23,7 +23,7 @@ void main() {
     vec3 position = view_position(pixel, z);
     vec3 n = octahedral_decode(imageLoad(normal, pixel).x);
     vec2 seen = vec2(0.);
-    for (uint i = 0u; i < frame.light_count; ++i) {
+    for (int i = 0; i < LIGHTS; ++i) {
         Light light = lights.light[i];
         if (light.slot < 0) continue;
         vec3 irradiance;

@@ -1,4 +1,7 @@
 // Lights, view space. Mirrored by src/frame/uniforms.rs.
+#define MAX_LIGHTS 128
+#define MAX_LAYERS 16
+
 #define LIGHT_DIRECTIONAL 0
 #define LIGHT_POINT 1
 #define LIGHT_SPOT 2
@@ -16,13 +19,20 @@ struct Light {
     int slot;             // channel of the scattered visibility, -1 none
 };
 
-layout(set = 0, binding = 30, scalar) readonly buffer LightBlock { Light light[]; } lights;
-layout(set = 0, binding = 31, scalar) readonly buffer ShadowBlock { mat4 shadow_from_view[]; } shadows;
+// A uniform block, and loops over a specialised count: an unrolled loop reads it at constant offsets, which costs nothing,
+// where a storage buffer costs a gather per lane and member on CPU drivers.
+layout(set = 0, binding = 30, scalar) uniform LightBlock {
+    mat4 shadow_from_view[MAX_LAYERS];
+    Light light[MAX_LIGHTS];
+} lights;
+
+layout(constant_id = 20) const int LIGHTS = 1;              // how many there are
+layout(constant_id = 21) const bool ALL_DIRECTIONAL = true; // none is a point or a spot
 
 // Direction to the light (unit) and irradiance at normal incidence.
 vec3 light_arrives(Light light, vec3 position, out vec3 irradiance) {
     irradiance = light.color;
-    if (light.kind == LIGHT_DIRECTIONAL) return light.position;
+    if (ALL_DIRECTIONAL || light.kind == LIGHT_DIRECTIONAL) return light.position;
     vec3 d = light.position - position;
     float square = dot(d, d);
     vec3 l = d * inversesqrt(max(square, 1e-12));

@@ -12,7 +12,7 @@ int shadow_face(vec3 d) {
 float shadow_visibility(Light light, vec3 position, vec3 normal, vec3 l, mat3 world_from_view) {
     int layer = light.layer;
     float texel = light.texel_mm;
-    if (light.kind != LIGHT_DIRECTIONAL) {
+    if (!ALL_DIRECTIONAL && light.kind != LIGHT_DIRECTIONAL) {
         vec3 d = position - light.position;
         texel *= length(d);
         if (light.kind == LIGHT_POINT) layer += shadow_face(world_from_view * d);
@@ -21,9 +21,12 @@ float shadow_visibility(Light light, vec3 position, vec3 normal, vec3 l, mat3 wo
     // thin parts keep their contact.
     float c = clamp(dot(normal, l), 0., 1.);
     vec3 p = position + normal * (texel * (1. + 2.5 * sqrt(1. - c * c)));
-    vec4 q = shadows.shadow_from_view[layer] * vec4(p, 1.);
-    if (q.w <= 0.) return 1.;
-    vec3 s = q.xyz / q.w;
+    vec4 q = lights.shadow_from_view[layer] * vec4(p, 1.);
+    vec3 s = q.xyz;
+    if (!ALL_DIRECTIONAL) {
+        if (q.w <= 0.) return 1.;
+        s /= q.w;
+    }
     vec2 size = vec2(textureSize(shadow, 0).xy);
     vec2 at = (s.xy * .5 + .5) * size - .5;
     vec2 base = floor(at), f = at - base;

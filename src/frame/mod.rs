@@ -44,6 +44,12 @@ pub enum FrameError {
         /// What it would take.
         what: &'static str,
     },
+    /// More lights than the uniform block holds.
+    #[error("{count} lights; the limit is {max}", max = uniforms::MAX_LIGHTS)]
+    Lights {
+        /// How many there are.
+        count: usize,
+    },
 }
 
 /// What a frame is made from.

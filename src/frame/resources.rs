@@ -1,7 +1,7 @@
 //! What a frame reads and never writes: vertex streams, textures, tables, constants.
 
 use super::setup::Setup;
-use super::uniforms::{FrameBlock, LightEntry, MAX_LEVELS};
+use super::uniforms::{FrameBlock, LightBlock, MAX_LEVELS};
 use super::{FrameError, Inputs};
 use crate::gpu::commands::{Bound, Guarded, Recorder};
 use crate::gpu::usage::{State, Usage};
@@ -19,7 +19,6 @@ use std::sync::Arc;
 pub const EXTERNAL: &[&str] = &[
     "frame",
     "lights",
-    "shadows",
     "shadow_world",
     "lut",
     "no shadow",
@@ -44,7 +43,6 @@ pub struct Resources {
     nearest: Sampler,
     frame: Buffer,
     lights: Buffer,
-    shadows: Buffer,
     shadow_world: Buffer,
 }
 
@@ -111,10 +109,13 @@ impl Resources {
 
         let view = inputs.camera.view_from_world();
         let world = inputs.camera.world_from_view();
-        let entries: Vec<LightEntry> =
-            inputs.lights.iter().enumerate().map(|(i, l)| s.shadows.entry(i, l, view)).collect();
-        let from_view: Vec<[[f32; 4]; 4]> =
-            s.shadows.matrices.iter().map(|m| (*m * world).to_cols_array_2d()).collect();
+        let mut lights: LightBlock = bytemuck::Zeroable::zeroed();
+        for (entry, (i, light)) in lights.light.iter_mut().zip(inputs.lights.iter().enumerate()) {
+            *entry = s.shadows.entry(i, light, view);
+        }
+        for (matrix, m) in lights.shadow_from_view.iter_mut().zip(&s.shadows.matrices) {
+            *matrix = (*m * world).to_cols_array_2d();
+        }
         let from_world: Vec<[[f32; 4]; 4]> = s.shadows.matrices.iter().map(|m| m.to_cols_array_2d()).collect();
         let block = frame_block(inputs, s, lut.as_ref().map_or(1., |l| l.knee_per_mm as f32));
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -130,8 +131,7 @@ impl Resources {
             linear: Sampler::new(gpu, "linear sampler", vk::Filter::LINEAR, clamp, false)?,
             nearest: Sampler::new(gpu, "nearest sampler", vk::Filter::NEAREST, clamp, false)?,
             frame: constants(gpu, "frame", bytemuck::bytes_of(&block), vk::BufferUsageFlags::UNIFORM_BUFFER)?,
-            lights: constants(gpu, "lights", bytemuck::cast_slice(&entries), storage)?,
-            shadows: constants(gpu, "shadows", bytemuck::cast_slice(&from_view), storage)?,
+            lights: constants(gpu, "lights", bytemuck::bytes_of(&lights), vk::BufferUsageFlags::UNIFORM_BUFFER)?,
             shadow_world: constants(gpu, "shadow_world", bytemuck::cast_slice(&from_world), storage)?,
         })
     }
@@ -148,7 +148,6 @@ impl Resources {
         Some(match name {
             "frame" => Bound::Buffer(&self.frame),
             "lights" => Bound::Buffer(&self.lights),
-            "shadows" => Bound::Buffer(&self.shadows),
             "shadow_world" => Bound::Buffer(&self.shadow_world),
             "no shadow" => Bound::Sampled(&self.no_shadow, &self.nearest),
             "lut" => Bound::Sampled(self.lut.as_ref()?, &self.linear),
@@ -188,7 +187,6 @@ fn frame_block(inputs: &Inputs<'_>, s: &Setup, lut_knee: f32) -> FrameBlock {
     block.perspective = s.view.perspective;
     block.pixels_per_mm = s.view.pixels_per_mm as f32;
     block.origin = inputs.scene.origin.as_vec3().to_array();
-    block.light_count = inputs.lights.len() as u32;
     block.ambient_mean = std::array::from_fn(|c| (up[c] + down[c]) / 2.);
     block.ambient_slope = std::array::from_fn(|c| (up[c] - down[c]) / 2.);
     block.exposure = settings.exposure.exp2();

@@ -2,9 +2,9 @@
 
 use super::levels::{Levels, Magnification};
 use super::shadows::Shadows;
+use super::uniforms::MAX_LIGHTS;
 use super::{FrameError, Inputs};
-use crate::scene::Alpha;
-use crate::scene::{Camera, Projection};
+use crate::scene::{Alpha, Camera, LightKind, Projection};
 use crate::settings::{Method, Settings, View};
 use glam::Vec3;
 
@@ -44,6 +44,10 @@ pub struct Setup {
     pub ao: bool,
     /// There is ambient light.
     pub ambient: bool,
+    /// Lights.
+    pub lights: u32,
+    /// None of them is a point or a spot.
+    pub all_directional: bool,
     /// Projection facts.
     pub view: ViewFacts,
 }
@@ -70,6 +74,9 @@ impl Setup {
     /// Where a view shows something that the method does not make.
     pub fn new(inputs: &Inputs<'_>) -> Result<Setup, FrameError> {
         let (scene, settings) = (inputs.scene, &inputs.settings);
+        if inputs.lights.len() > MAX_LIGHTS {
+            return Err(FrameError::Lights { count: inputs.lights.len() });
+        }
         let size = [settings.size.width, settings.size.height];
         let view = ViewFacts::new(&inputs.camera, size, scene.bounds.min, scene.bounds.max);
         let used = |test: &dyn Fn(&crate::scene::Material) -> bool| {
@@ -122,9 +129,16 @@ impl Setup {
             why_no_curvature,
             ao,
             ambient,
+            lights: inputs.lights.len() as u32,
+            all_directional: inputs.lights.iter().all(|l| matches!(l.kind, LightKind::Directional { .. })),
             view,
             settings: settings.clone(),
         })
+    }
+
+    /// Adds the specialization constants of a pass that loops over the lights.
+    pub fn specialise_lights(&self, pass: &mut crate::plan::Pass) {
+        pass.constant("LIGHTS", self.lights).constant("ALL_DIRECTIONAL", u32::from(self.all_directional));
     }
 
     /// Pixels of the picture.

@@ -1,14 +1,12 @@
 //! Which lights cast shadows, and the matrices they are cast by.
 
 use super::Inputs;
-use super::uniforms::LightEntry;
+use super::uniforms::{LightEntry, MAX_LAYERS};
 use crate::scene::{Light, LightKind};
 use crate::settings::Quality;
 use glam::camera::rh::proj::vulkan::perspective_infinite_reverse;
 use glam::{Mat4, Vec3, Vec4};
 
-/// Most layers of shadow maps: a point light takes six.
-pub const MAX_LAYERS: usize = 16;
 /// Lights whose visibility is scattered: what the visibility target has channels for.
 pub const MAX_SLOTS: usize = 2;
 
@@ -74,6 +72,11 @@ impl Shadows {
     pub fn without_slots(&mut self) {
         self.slots = 0;
         self.lights.iter_mut().for_each(|l| l.2 = -1);
+    }
+
+    /// Some light without a slot casts a shadow: lighting must look it up.
+    pub fn look_up(&self) -> bool {
+        self.lights.iter().any(|l| l.0 >= 0 && l.2 < 0)
     }
 
     /// A light as the shaders see it.

@@ -5,6 +5,10 @@ use bytemuck::{Pod, Zeroable};
 
 /// Most levels that lighting reads.
 pub const MAX_LEVELS: usize = 6;
+/// Most lights: what 16 KiB of uniform block, the least that every device has, hold beside the shadow matrices.
+pub const MAX_LIGHTS: usize = 128;
+/// Most layers of shadow maps: a point light takes six.
+pub const MAX_LAYERS: usize = 16;
 
 /// The block `FrameBlock`.
 #[repr(C)]
@@ -20,7 +24,7 @@ pub struct FrameBlock {
     pub perspective: f32,
     pub pixels_per_mm: f32,
     pub origin: [f32; 3],
-    pub light_count: u32,
+    pub pad: f32,
     pub ambient_mean: [f32; 3],
     pub exposure: f32,
     pub ambient_slope: [f32; 3],
@@ -48,6 +52,15 @@ pub struct LightEntry {
     pub layer: i32,
     pub texel_mm: f32,
     pub slot: i32,
+}
+
+/// The block `LightBlock`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[allow(missing_docs, reason = "each member is documented at its twin in glsl/common/lights.glsl")]
+pub struct LightBlock {
+    pub shadow_from_view: [[[f32; 4]; 4]; MAX_LAYERS],
+    pub light: [LightEntry; MAX_LIGHTS],
 }
 
 /// Push constants of `gbuffer.frag`.

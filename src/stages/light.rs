@@ -31,7 +31,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     let pass = plan
         .compute("light", shader, Domain::Tiles(tiles::SURFACE))
         .constant("OUTPUT", output)
-        .constant("SHADOWS", u32::from(!s.shadows.matrices.is_empty()))
+        .constant("LOOK_UP", u32::from(s.shadows.look_up()))
         .constant("SLOTS", u32::from(s.shadows.slots > 0))
         .constant("SPECULAR", 1)
         .constant("AO", u32::from(s.ao))
@@ -40,6 +40,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         .constant("STRIDED", u32::from(s.levels.levels.iter().any(|l| l.stride > 1)))
         .bind("normal", s.shading_normal())
         .bind("hdr", target);
+    s.specialise_lights(pass);
     for i in 0..MAX_LEVELS {
         if i < levels {
             pass.constant(STRIDES[i], s.levels.levels[i].stride);

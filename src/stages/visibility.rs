@@ -12,5 +12,6 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         return;
     }
     plan.image("lit", s.size);
-    plan.compute("visibility", &shaders::VISIBILITY, Domain::Tiles(tiles::SURFACE)).bind("normal", s.shading_normal());
+    let pass = plan.compute("visibility", &shaders::VISIBILITY, Domain::Tiles(tiles::SURFACE));
+    s.specialise_lights(pass.bind("normal", s.shading_normal()));
 }
