@@ -1,4 +1,4 @@
-// light: G-buffer, blurred levels, table, shadow -> hdr.
+// light: G-buffer, blurred levels, table, shadow -> picture (ldr, tone-mapped; or exr, linear).
 // variants: lambert METHOD=0; pdss METHOD=1; moments METHOD=2
 //
 // lambert  exitance = max(0, n.l) E
@@ -17,6 +17,7 @@
 #include "common/specular.glsl"
 #include "common/scattering.glsl"
 #include "common/level_code.glsl"
+#include "common/tonemap.glsl"
 
 #define OUTPUT_FINAL 0
 #define OUTPUT_SCATTER 1
@@ -36,6 +37,7 @@ layout(constant_id = 9) const int STRIDE2 = 1;
 layout(constant_id = 10) const int STRIDE3 = 1;
 layout(constant_id = 11) const int STRIDE4 = 1;
 layout(constant_id = 12) const int STRIDE5 = 1;
+layout(constant_id = 14) const int CURVE = 0;              // 0 Khronos PBR Neutral, 1 sRGB alone, 2 linear
 layout(constant_id = 13) const bool STRIDED = false;     // some level is coarser than the picture
 
 layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
@@ -43,7 +45,7 @@ layout(set = 0, binding = 3, r32ui) uniform readonly uimage2D normal;
 layout(set = 0, binding = 4, rgba8) uniform readonly image2D albedo;
 layout(set = 0, binding = 5, rgba8) uniform readonly image2D material;
 layout(set = 0, binding = 6, r32ui) uniform readonly uimage2D lit;
-layout(set = 0, binding = 7) uniform writeonly image2D hdr;
+layout(set = 0, binding = 7) uniform writeonly image2D picture;
 #if METHOD > 0
 layout(set = 0, binding = 8, rg32ui) uniform readonly uimage2D soft0;
 layout(set = 0, binding = 9, rg32ui) uniform readonly uimage2D soft1;
@@ -124,13 +126,18 @@ Footprint footprint(ivec2 pixel, vec3 p0, vec3 n, int stride) {
 layout(set = 0, binding = 20) uniform sampler2D lut;
 #endif
 
+void finish(ivec2 pixel, vec3 color) {
+    if (CURVE < 2) color = srgb(clamp(CURVE == 0 ? neutral(color) : color, 0., 1.));
+    imageStore(picture, pixel, vec4(color, 1.));
+}
+
 void main() {
     ivec2 pixel = tile_pixel();
     if (any(greaterThanEqual(pixel, frame.size))) return;
     float z = imageLoad(viewz, pixel).x;
     if (z == 0.) {
         // The rest of a tile that holds some surface.
-        imageStore(hdr, pixel, vec4(0.));
+        imageStore(picture, pixel, vec4(0.));
         return;
     }
     bool scatters = z < 0.;
@@ -157,7 +164,7 @@ void main() {
         for (int i = 0; i < LEVELS; ++i) ao *= 1. - frame.occlusion[i].y * occlusion_of(level[i].h * frame.occlusion[i].x);
     }
     if (OUTPUT == OUTPUT_AO) {
-        imageStore(hdr, pixel, vec4(vec3(ao), 1.));
+        finish(pixel, vec3(ao));
         return;
     }
 #endif
@@ -233,11 +240,11 @@ void main() {
         if (SPECULAR && OUTPUT == OUTPUT_FINAL) reflected += specular_ggx(n, v, l, m.r, f0) * irradiance * shade;
     }
     if (OUTPUT == OUTPUT_SCATTER) {
-        imageStore(hdr, pixel, vec4(exitance, 1.));
+        finish(pixel, exitance);
         return;
     }
     if (OUTPUT == OUTPUT_IRRADIANCE) {
-        imageStore(hdr, pixel, vec4(arriving, 1.));
+        finish(pixel, arriving);
         return;
     }
     vec3 radiance = kept * color * exitance / PI + reflected;
@@ -254,5 +261,5 @@ void main() {
         radiance += kept * color * sky;
         if (SPECULAR) radiance += specular_albedo(clamp(dot(n, v), 0., 1.), m.r, f0) * sky;
     }
-    imageStore(hdr, pixel, vec4(radiance * frame.exposure, 1.));
+    finish(pixel, radiance * frame.exposure);
 }

@@ -58,8 +58,8 @@ pub enum Work {
         fragment: Option<&'static Shader>,
         /// Fixed-function state.
         state: Raster,
-        /// Colour targets and their clear values as raw bits.
-        colors: Vec<(String, [u32; 4])>,
+        /// Colour targets and their clear values as raw bits; without one whatever was there may stay.
+        colors: Vec<(String, Option<[u32; 4]>)>,
         /// Depth target, its layer, its clear value.
         depth: (String, Option<u32>, f32),
         /// Which vertex attributes are fetched, and which materials are drawn.
@@ -225,7 +225,7 @@ impl Plan {
         vertex: &'static Shader,
         fragment: Option<&'static Shader>,
         state: Raster,
-        colors: Vec<(String, [u32; 4])>,
+        colors: Vec<(String, Option<[u32; 4]>)>,
         depth: (String, Option<u32>, f32),
         geometry: Geometry,
     ) -> &mut Pass {

@@ -26,9 +26,8 @@ pub const TARGETS: &[Target] = &[
     Target { name: "lit", format: vk::Format::R32_UINT, meaning: "clamped cosine times visibility of two lights, 0..1, 2 x unorm16. visibility writes; blur, light read" },
     Target { name: "soft", format: vk::Format::R32G32_UINT, meaning: "blurred level: un-normalised mean normal, view space, 3 x snorm16; H times the profile's length, half. blur writes and reads, light reads" },
     Target { name: "softlit", format: vk::Format::R32_UINT, meaning: "blurred `lit` of two lights, 2 x unorm16. blur writes and reads, light reads" },
-    Target { name: "hdr", format: vk::Format::R16G16B16A16_SFLOAT, meaning: "radiance, linear Rec. 709; a coverage. light writes, tonemap reads" },
-    Target { name: "exr", format: vk::Format::R32G32B32A32_SFLOAT, meaning: "the same or a view in 32 bit; light or view writes, the host reads" },
-    Target { name: "ldr", format: vk::Format::R8G8B8A8_UNORM, meaning: "sRGB-encoded picture. tonemap writes, the host reads" },
+    Target { name: "exr", format: vk::Format::R32G32B32A32_SFLOAT, meaning: "radiance, linear Rec. 709, or a view; a coverage. light or view writes, the host reads" },
+    Target { name: "ldr", format: vk::Format::R8G8B8A8_UNORM, meaning: "tone-mapped, sRGB-encoded picture; a coverage. light writes, the host reads" },
     Target { name: "shadow", format: vk::Format::D32_SFLOAT, meaning: "depth from each light, reversed, one layer a light (six a point light). shadow writes; visibility, light sample" },
 ];
 

@@ -4,8 +4,8 @@ use super::uniforms::MAX_LEVELS;
 use crate::settings::{Method, Quality, Resolution, Settings};
 use crate::skin::profile::{Gaussian, Profile};
 
-/// A Gaussian whose sigma covers less than this many pixels is not told from a point: its radius projects below one pixel.
-const LEAST_SIGMA_PX: f64 = 0.5;
+/// A Gaussian whose sigma covers fewer pixels than this is not told from a point: its rms radius projects below one pixel.
+const LEAST_SIGMA_PX: f64 = 0.7;
 
 /// One level that lighting reads.
 #[derive(Clone, Debug, PartialEq)]
@@ -121,7 +121,7 @@ impl Levels {
         let (texels_per_sigma, coarsest) = match settings.quality {
             Quality::Low => (0.8, 4),
             Quality::Medium => (1.2, 4),
-            Quality::High => (2., 2),
+            Quality::High => (1.5, 2),
             Quality::Ultra => (f64::INFINITY, 1),
         };
         let mut stride = 1;

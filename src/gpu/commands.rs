@@ -49,8 +49,8 @@ pub struct Recorded {
 
 /// Attachments of a raster pass.
 pub struct Attachments<'a> {
-    /// Colour targets with their clear values (as raw bits).
-    pub colors: &'a [(&'a Image, [u32; 4])],
+    /// Colour targets with their clear values (as raw bits); without one the old content may be anything.
+    pub colors: &'a [(&'a Image, Option<[u32; 4]>)],
     /// Depth target, its layer if it is an array, its clear value.
     pub depth: (&'a Image, Option<u32>, f32),
 }
@@ -355,9 +355,9 @@ impl Pass<'_> {
                 vk::RenderingAttachmentInfo::default()
                     .image_view(image.view)
                     .image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
-                    .load_op(vk::AttachmentLoadOp::CLEAR)
+                    .load_op(if clear.is_some() { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::DONT_CARE })
                     .store_op(vk::AttachmentStoreOp::STORE)
-                    .clear_value(vk::ClearValue { color: vk::ClearColorValue { uint32: *clear } })
+                    .clear_value(vk::ClearValue { color: vk::ClearColorValue { uint32: clear.unwrap_or_default() } })
             })
             .collect();
         let (image, layer, clear) = attachments.depth;

@@ -26,10 +26,7 @@ pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
         Method::Moments => moments::frame(&mut plan, s),
     }
     match s.settings.view {
-        View::Final | View::Scatter | View::Irradiance | View::Ao => {
-            stages::light::add(&mut plan, s);
-            stages::tonemap::add(&mut plan, s);
-        }
+        View::Final | View::Scatter | View::Irradiance | View::Ao => stages::light::add(&mut plan, s),
         _ => stages::view::add(&mut plan, s),
     }
     plan.keep(kept);

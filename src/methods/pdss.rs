@@ -13,4 +13,4 @@ pub fn frame(p: &mut Plan, s: &Setup) {
     visibility::add(p, s); // viewz normal shadow                   -> lit
     curvature::add(p, s); //  viewz normal                          -> curvature
     blur::add(p, s); //       viewz normal curvature lit            -> soft0.. softlit0..
-} //                          light: G-buffer soft softlit lut      -> hdr; tonemap: hdr -> ldr
+} //                          light: G-buffer soft softlit lut -> ldr or exr (methods::plan)

@@ -34,7 +34,8 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         streams,
         ..Raster::default()
     };
-    let colors = colors.into_iter().map(|n| (n.to_owned(), [0; 4])).collect();
+    // A viewz of 0 says that nothing else of the pixel means anything, so nothing else is cleared.
+    let colors = colors.into_iter().map(|n| (n.to_owned(), (n == "viewz").then_some([0; 4]))).collect();
     let depth = ("depth".to_owned(), None, 0.);
     let vertex = match (s.uvs, s.normal_maps) {
         (false, _) => &shaders::GBUFFER_VERT_PLAIN,

@@ -1,10 +1,11 @@
-//! light: G-buffer, blurred levels, table, shadow -> hdr (or exr). The only stage that knows a method from another.
+//! light: G-buffer, blurred levels, table, shadow -> ldr or exr. The only stage that knows a
+//! method from another. Tone mapping reads its own pixel alone, so it is part of this dispatch.
 
 use super::tiles;
 use crate::frame::setup::{Output, Setup};
 use crate::frame::uniforms::MAX_LEVELS;
 use crate::plan::{Domain, Plan};
-use crate::settings::{Method, View};
+use crate::settings::{Method, ToneMap, View};
 use crate::shaders;
 
 const STRIDES: [&str; MAX_LEVELS] = ["STRIDE0", "STRIDE1", "STRIDE2", "STRIDE3", "STRIDE4", "STRIDE5"];
@@ -19,13 +20,17 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         Method::Pdss => &shaders::LIGHT_PDSS,
         Method::Moments => &shaders::LIGHT_MOMENTS,
     };
-    let target = if s.output == Output::Linear { "exr" } else { "hdr" };
-    plan.image(target, s.size);
+    let target = if s.output == Output::Linear { "exr" } else { "ldr" };
     let output = match s.settings.view {
         View::Scatter => 1,
         View::Irradiance => 2,
         View::Ao => 3,
         _ => 0,
+    };
+    let curve = match (s.output, s.settings.tone_map) {
+        (Output::Linear, _) => 2,
+        (_, ToneMap::Linear) => 1,
+        (_, ToneMap::Neutral) => 0,
     };
     let levels = if method == Method::Lambert { 0 } else { s.levels.levels.len() };
     let pass = plan
@@ -33,13 +38,14 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         .constant("OUTPUT", output)
         .constant("LOOK_UP", u32::from(s.shadows.look_up()))
         .constant("SLOTS", u32::from(s.shadows.slots > 0))
+        .constant("CURVE", curve)
         .constant("SPECULAR", 1)
         .constant("AO", u32::from(s.ao))
         .constant("AMBIENT", u32::from(s.ambient))
         .constant("LEVELS", levels as u32)
         .constant("STRIDED", u32::from(s.levels.levels.iter().any(|l| l.stride > 1)))
         .bind("normal", s.shading_normal())
-        .bind("hdr", target);
+        .bind("picture", target);
     s.specialise_lights(pass);
     for i in 0..MAX_LEVELS {
         if i < levels {

@@ -9,6 +9,5 @@ pub mod gbuffer;
 pub mod light;
 pub mod shadow;
 pub mod tiles;
-pub mod tonemap;
 pub mod view;
 pub mod visibility;

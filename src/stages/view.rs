@@ -21,7 +21,6 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         View::Lit => (&shaders::VIEW_LIT, "lit".to_owned()),
         _ => (&shaders::VIEW_DEPTH, String::new()),
     };
-    plan.image("exr", s.size);
     plan.compute("view", shader, Domain::Tiles(tiles::SURFACE))
         .constant("ROOTED", u32::from(s.settings.view == View::Albedo))
         .constant("STRIDE", s.levels.levels.last().map_or(1, |l| l.stride))

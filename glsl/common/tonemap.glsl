@@ -1,13 +1,4 @@
-// tonemap: hdr -> ldr. Khronos PBR Neutral (hue kept, identity below .76), or none; then the sRGB curve.
-#version 460
-#extension GL_GOOGLE_include_directive : require
-#include "common/frame.glsl"
-#include "common/tiles.glsl"
-
-layout(constant_id = 0) const int CURVE = 0;   // 0 neutral, 1 linear
-
-layout(set = 0, binding = 2, rgba16f) uniform readonly image2D hdr;
-layout(set = 0, binding = 3, rgba8) uniform writeonly image2D ldr;
+// Tone curves and the sRGB transfer function.
 
 // Khronos PBR Neutral tone mapper (2024): removes the 4 % Fresnel veil, then compresses the peak and desaturates it.
 vec3 neutral(vec3 color) {
@@ -25,12 +16,4 @@ vec3 neutral(vec3 color) {
 
 vec3 srgb(vec3 c) {
     return mix(1.055 * pow(c, vec3(1. / 2.4)) - .055, 12.92 * c, lessThanEqual(c, vec3(.0031308)));
-}
-
-void main() {
-    ivec2 pixel = tile_pixel();
-    if (any(greaterThanEqual(pixel, frame.size))) return;
-    vec4 c = imageLoad(hdr, pixel);
-    vec3 color = CURVE == 0 ? neutral(c.rgb) : c.rgb;
-    imageStore(ldr, pixel, vec4(srgb(clamp(color, 0., 1.)), c.a));
 }
