@@ -2,8 +2,10 @@
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod frame;
 pub mod gpu;
 pub mod plan;
+pub mod report;
 pub mod scene;
 pub mod settings;
 pub mod shaders;
