@@ -10,8 +10,6 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "common/octahedral.glsl"
 
-layout(constant_id = 0) const bool HAS_UV = false;
-layout(constant_id = 1) const bool HAS_TANGENT = false;
 layout(constant_id = 2) const bool BASE_MAP = false;
 layout(constant_id = 3) const bool ROUGH_MAP = false;
 layout(constant_id = 4) const bool NORMAL_MAP = false;

@@ -1,15 +1,22 @@
 // gbuffer: meshes -> depth, viewz, normal, albedo, material, bumped.
+// variants: plain UV=0 TANGENT=0; uv UV=1 TANGENT=0; tangent UV=1 TANGENT=1
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "common/frame.glsl"
 
-layout(constant_id = 0) const bool HAS_UV = false;
-layout(constant_id = 1) const bool HAS_TANGENT = false;
-
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
+// A stream that the scene does not need is not fetched.
+#if UV
 layout(location = 2) in vec2 uv;
+#else
+const vec2 uv = vec2(0.);
+#endif
+#if TANGENT
 layout(location = 3) in vec4 tangent;
+#else
+const vec4 tangent = vec4(0.);
+#endif
 
 layout(location = 0) out vec3 view_normal;
 layout(location = 1) out vec2 out_uv;
@@ -21,6 +28,6 @@ void main() {
     mat3 rotation = mat3(frame.view_from_world);
     view_normal = rotation * normal;
     view_distance = -(frame.view_from_world * vec4(position, 1.)).z;
-    out_uv = HAS_UV ? uv : vec2(0.);
-    view_tangent = HAS_TANGENT ? vec4(rotation * tangent.xyz, tangent.w) : vec4(0.);
+    out_uv = uv;
+    view_tangent = vec4(rotation * tangent.xyz, tangent.w);
 }

@@ -127,7 +127,11 @@ void main() {
     ivec2 pixel = tile_pixel();
     if (any(greaterThanEqual(pixel, frame.size))) return;
     float z = imageLoad(viewz, pixel).x;
-    if (z == 0.) return;
+    if (z == 0.) {
+        // The rest of a tile that holds some surface.
+        imageStore(hdr, pixel, vec4(0.));
+        return;
+    }
     bool scatters = z < 0.;
     z = abs(z);
     vec3 p = view_position(pixel, z);

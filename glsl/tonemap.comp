@@ -32,5 +32,5 @@ void main() {
     if (any(greaterThanEqual(pixel, frame.size))) return;
     vec4 c = imageLoad(hdr, pixel);
     vec3 color = CURVE == 0 ? neutral(c.rgb) : c.rgb;
-    imageStore(ldr, pixel, vec4(srgb(clamp(color, 0., 1.)), 1.));
+    imageStore(ldr, pixel, vec4(srgb(clamp(color, 0., 1.)), c.a));
 }

@@ -24,7 +24,10 @@ void main() {
     ivec2 pixel = tile_pixel();
     if (any(greaterThanEqual(pixel, frame.size))) return;
     float signed_z = imageLoad(viewz, pixel).x;
-    if (signed_z == 0.) return;
+    if (signed_z == 0.) {
+        imageStore(exr, pixel, vec4(0.));
+        return;
+    }
     float z = abs(signed_z);
     vec3 color = vec3(0.);
 #if VIEW == 0

@@ -4,10 +4,12 @@
 
 pub mod frame;
 pub mod gpu;
+pub mod methods;
 pub mod plan;
 pub mod report;
 pub mod scene;
 pub mod settings;
 pub mod shaders;
 pub mod skin;
+pub mod stages;
 pub mod targets;

@@ -65,10 +65,10 @@ pub enum Work {
         /// Which vertex attributes are fetched, and which materials are drawn.
         geometry: Geometry,
     },
-    /// A few words written into a buffer.
+    /// A few words written to the start of each of some buffers.
     Update {
-        /// The buffer.
-        buffer: String,
+        /// The buffers.
+        buffers: Vec<String>,
         /// The words.
         bytes: Vec<u8>,
     },
@@ -209,7 +209,12 @@ impl Plan {
 
     /// Adds a compute pass; what it touches is read from the shader.
     pub fn compute(&mut self, name: &str, shader: &'static Shader, domain: Domain) -> &mut Pass {
-        self.pass(name, Work::Compute { shader, domain })
+        let tiles = if let Domain::Tiles(list) = domain { Some(list) } else { None };
+        let pass = self.pass(name, Work::Compute { shader, domain });
+        if let Some(list) = tiles {
+            pass.bind("tile_list", list);
+        }
+        pass
     }
 
     /// Adds a raster pass over the scene's meshes.
@@ -227,9 +232,9 @@ impl Plan {
         self.pass(name, Work::Raster { vertex, fragment, state, colors, depth, geometry })
     }
 
-    /// Adds a write of a few words into a buffer.
-    pub fn update(&mut self, name: &str, buffer: &str, bytes: Vec<u8>) {
-        self.pass(name, Work::Update { buffer: buffer.to_owned(), bytes });
+    /// Adds a write of a few words into buffers.
+    pub fn update(&mut self, name: &str, buffers: Vec<String>, bytes: Vec<u8>) {
+        self.pass(name, Work::Update { buffers, bytes });
     }
 
     /// Adds a clear of an image.
@@ -281,7 +286,7 @@ impl Plan {
                 list.push((depth.0.clone(), Usage::DepthAttachment));
                 std::iter::once(*vertex).chain(*fragment).collect()
             }
-            Work::Update { buffer, .. } => return Ok(vec![(buffer.clone(), Usage::CopyTo)]),
+            Work::Update { buffers, .. } => return Ok(buffers.iter().map(|b| (b.clone(), Usage::CopyTo)).collect()),
             Work::Clear { image, .. } => return Ok(vec![(image.clone(), Usage::CopyTo)]),
         };
         let compute = matches!(pass.work, Work::Compute { .. });

@@ -1,6 +1,6 @@
 //! `pdss explain`: the plan of a frame in words.
 
-use super::args::{self, View};
+use super::args::View;
 use super::failure::Failure;
 use super::{print, print_json};
 use clap::{Args, ValueEnum};
@@ -28,17 +28,15 @@ pub enum Format {
 }
 
 impl Explain {
-    /// Plans, and prints the plan.
+    /// Plans, and prints the plan: a decision that takes no device.
     pub fn run(&self) -> Result<(), Failure> {
         let stage = self.view.load()?;
-        let gpu = self.view.open()?;
-        let plan = Renderer::plan_only(&gpu, &stage.inputs(None, Output::Ldr))?;
+        let plan = Renderer::plan_only(&stage.inputs(None, Output::Ldr))?;
         let [width, height] = stage.size();
         let words = Explanation::of(&plan, u64::from(width) * u64::from(height));
         match self.format {
-            Format::Table => print(&words.to_string())?,
-            Format::Json => print_json(&words)?,
+            Format::Table => print(&words.to_string()),
+            Format::Json => print_json(&words),
         }
-        args::close(gpu)
     }
 }

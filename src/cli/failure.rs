@@ -63,7 +63,11 @@ impl From<GpuError> for Failure {
 
 impl From<FrameError> for Failure {
     fn from(error: FrameError) -> Self {
-        Failure::Run(line(&error))
+        match error {
+            FrameError::Gpu(error) => error.into(),
+            FrameError::View { .. } => Failure::Input(line(&error)),
+            FrameError::Plan(_) => Failure::Run(line(&error)),
+        }
     }
 }
 

@@ -68,10 +68,8 @@ impl Profile {
         let mut renderer = Renderer::new(gpu, stage.inputs(Some(self.timing), Output::Ldr))?;
         let warmup = self.warmup.map_or(Warmup::Settle, |n| Warmup::Exactly(n as usize));
         let progress = Progress { shown: io::stderr().is_terminal() };
-        let (warmed, samples) = measure::measure(&mut renderer, warmup, self.frames as usize, |done, all| {
-            progress.show(done, all);
-        })?;
-        progress.clear();
+        let (warmed, samples) = measure::measure(&mut renderer, warmup, self.frames as usize, |done, all| progress.show(done, all))?;
+        drop(progress);
         let subject = Subject {
             scene: stage.name.clone(),
             triangles: stage.scene.triangle_count(),
@@ -113,14 +111,17 @@ impl Progress {
         }
     }
 
-    fn clear(&self) {
-        if self.shown {
-            self.write("");
-        }
-    }
-
     fn write(&self, text: &str) {
         // Carriage return and "erase the line"; a terminal that is gone is no fault.
         let _ = write!(io::stderr(), "\r\x1b[2K{text}").and_then(|()| io::stderr().flush());
+    }
+}
+
+impl Drop for Progress {
+    /// What comes next, an error too, starts on a clean line.
+    fn drop(&mut self) {
+        if self.shown {
+            self.write("");
+        }
     }
 }

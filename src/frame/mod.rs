@@ -1,98 +1,287 @@
-//! The engine's outline, so that what stands on it compiles before it lands.
+//! A frame: planned, created and recorded once, submitted as often as one likes.
 
-use crate::gpu::timing::TimingMode;
-use crate::gpu::{Gpu, GpuError};
-use crate::plan::Plan;
-use crate::scene::{Camera, Light, Scene};
-use crate::settings::Settings;
+pub mod levels;
+pub mod resources;
+pub mod setup;
+pub mod shadows;
+pub mod uniforms;
+
+mod record;
+
+pub use setup::{Output, Setup};
+
+use crate::gpu::commands::Recorded;
+use crate::gpu::pipeline::Pipeline;
+use crate::gpu::timing::{Timer, TimingMode};
+use crate::gpu::{Buffer, Gpu, GpuError, Image, ImageDesc};
+use crate::methods;
+use crate::plan::{Plan, PlanError, TargetPlan};
+
+use crate::scene::{Camera, Draw, Light, Material, Scene};
+use crate::settings::{Integral, Settings, View};
 use crate::skin::profile::Profile;
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+use resources::Resources;
+use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::Instant;
 
-/// What the host reads back.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Output {
-    /// RGBA8, sRGB.
-    Ldr,
-    /// RGBA f32, linear.
-    Linear,
-}
-
-/// What a frame is made of.
-#[derive(Clone)]
-pub struct Inputs<'a> {
-    /// What is drawn.
-    pub scene: &'a Scene,
-    /// From where.
-    pub camera: Camera,
-    /// Lit by what.
-    pub lights: Vec<Light>,
-    /// What scatters.
-    pub profile: Option<Profile>,
-    /// How.
-    pub settings: Settings,
-    /// Timed how, if at all.
-    pub timing: Option<TimingMode>,
-    /// Read back as what.
-    pub output: Output,
-}
-
-/// CPU work.
-#[derive(Clone, Copy, Debug, Default, serde::Serialize)]
-pub struct CpuTimes {
-    /// Planning, ms.
-    pub plan_ms: f64,
-    /// Pipelines, ms.
-    pub pipelines_ms: f64,
-    /// Upload, ms.
-    pub upload_ms: f64,
-    /// Recording, ms.
-    pub record_ms: f64,
-    /// Last submit, us.
-    pub last_submit_us: f64,
-}
-
-/// What can go wrong.
+/// Why there is no frame.
 #[derive(Debug, thiserror::Error)]
 pub enum FrameError {
     /// The device.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// Not there yet.
-    #[error("the engine is not there yet")]
-    Absent,
+    /// A stage and its shader disagree.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// A view of something that this frame does not make.
+    #[error("--view {view:?} needs {what}")]
+    View {
+        /// The view.
+        view: View,
+        /// What it would take.
+        what: &'static str,
+    },
 }
 
-/// The engine.
-pub struct Renderer;
+/// What a frame is made from.
+pub struct Inputs<'a> {
+    /// Meshes, materials, textures.
+    pub scene: &'a Scene,
+    /// The eye.
+    pub camera: Camera,
+    /// The lights, in order of importance: the first two have their shadows scattered.
+    pub lights: Vec<Light>,
+    /// How the scattering materials scatter; none: nothing does.
+    pub profile: Option<Profile>,
+    /// Everything else.
+    pub settings: Settings,
+    /// Timestamps, if wanted.
+    pub timing: Option<TimingMode>,
+    /// What becomes of the picture.
+    pub output: Output,
+}
 
-#[allow(missing_docs, clippy::missing_errors_doc)]
+/// Milliseconds of CPU work, and microseconds of the last submit.
+#[derive(Clone, Copy, Debug, Default, serde::Serialize)]
+pub struct CpuTimes {
+    /// Deciding the frame.
+    pub plan_ms: f64,
+    /// Making pipelines.
+    pub pipelines_ms: f64,
+    /// Uploading the scene, building the table.
+    pub upload_ms: f64,
+    /// Recording.
+    pub record_ms: f64,
+    /// Submit to fence, last run.
+    pub last_run_ms: f64,
+}
+
+/// A frame, ready to run.
+pub struct Renderer {
+    recorded: Recorded,
+    readback: Option<(Recorded, Buffer)>,
+    plan: Plan,
+    images: BTreeMap<String, Image>,
+    buffers: BTreeMap<String, Buffer>,
+    pipelines: Vec<Pipeline>,
+    resources: Resources,
+    size: [u32; 2],
+    output: Output,
+    times: CpuTimes,
+    gpu: Arc<Gpu>,
+}
+
 impl Renderer {
-    pub fn new(_: &Arc<Gpu>, _: Inputs<'_>) -> Result<Renderer, FrameError> {
-        Err(FrameError::Absent)
+    /// Plans, creates everything, records once.
+    ///
+    /// # Errors
+    /// Where a view cannot be shown, memory gives out, or the driver refuses.
+    pub fn new(gpu: &Arc<Gpu>, inputs: Inputs<'_>) -> Result<Renderer, FrameError> {
+        let mut times = CpuTimes::default();
+        let start = Instant::now();
+        let setup = Setup::new(&inputs)?;
+        let plan = methods::plan(&setup)?;
+        times.plan_ms = milliseconds(start);
+        let start = Instant::now();
+        let resources = Resources::new(gpu, &inputs, &setup)?;
+        times.upload_ms = milliseconds(start);
+        let images = create_images(gpu, &plan)?;
+        let mut buffers = BTreeMap::new();
+        for b in plan.buffers.values() {
+            let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+                | vk::BufferUsageFlags::INDIRECT_BUFFER
+                | vk::BufferUsageFlags::TRANSFER_DST
+                | vk::BufferUsageFlags::TRANSFER_SRC;
+            buffers.insert(b.name.clone(), Buffer::new(gpu, &b.name, b.bytes, usage, MemoryLocation::GpuOnly)?);
+        }
+        let start = Instant::now();
+        let draws: Vec<(Draw, &Material)> =
+            inputs.scene.draws.iter().filter_map(|d| Some((d.clone(), inputs.scene.materials.get(d.material)?))).collect();
+        let (pipelines, classes) = record::pipelines(gpu, &plan, &draws)?;
+        times.pipelines_ms = milliseconds(start);
+        let start = Instant::now();
+        let timer = inputs.timing.map(|mode| Timer::new(gpu, plan.passes.len(), mode)).transpose()?;
+        let world = record::World {
+            plan: &plan,
+            images: &images,
+            buffers: &buffers,
+            pipelines: &pipelines,
+            classes: &classes,
+            resources: &resources,
+            draws: &draws,
+            index_count: inputs.scene.indices.len() as u32,
+            scatters: setup.scatters,
+        };
+        let recorded = record::record(gpu, timer, &world)?;
+        times.record_ms = milliseconds(start);
+        Ok(Renderer {
+            recorded,
+            readback: None,
+            plan,
+            images,
+            buffers,
+            pipelines,
+            resources,
+            size: setup.size,
+            output: setup.output,
+            times,
+            gpu: gpu.clone(),
+        })
     }
-    pub fn plan_only(_: &Arc<Gpu>, _: &Inputs<'_>) -> Result<Plan, FrameError> {
-        Err(FrameError::Absent)
+
+    /// What would run, without creating anything.
+    ///
+    /// # Errors
+    /// Where a view cannot be shown.
+    pub fn plan_only(inputs: &Inputs<'_>) -> Result<Plan, FrameError> {
+        Ok(methods::plan(&Setup::new(inputs)?)?)
     }
+
+    /// The frame, decided.
     pub fn plan(&self) -> &Plan {
-        static PLAN: std::sync::LazyLock<Plan> = std::sync::LazyLock::new(Plan::default);
-        &PLAN
+        &self.plan
     }
+
+    /// One submit; waits for it.
+    ///
+    /// # Errors
+    /// Where the device is lost.
     pub fn run(&mut self) -> Result<(), FrameError> {
-        Err(FrameError::Absent)
+        let start = Instant::now();
+        self.recorded.run()?;
+        self.times.last_run_ms = milliseconds(start);
+        Ok(())
     }
+
+    /// Nanoseconds per pass of the last run; none where a stamp was missing. Empty without timestamps.
+    ///
+    /// # Errors
+    /// Where the driver refuses.
     pub fn times(&self) -> Result<Vec<(String, Option<f64>)>, FrameError> {
-        Err(FrameError::Absent)
+        let Some(timer) = self.recorded.timer() else { return Ok(Vec::new()) };
+        let names = self.plan.passes.iter().map(|p| p.name.clone());
+        Ok(names.zip(timer.read()?).collect())
     }
-    pub fn ldr(&mut self) -> Result<Vec<u8>, FrameError> {
-        Err(FrameError::Absent)
-    }
-    pub fn linear(&mut self) -> Result<Vec<[f32; 4]>, FrameError> {
-        Err(FrameError::Absent)
-    }
-    pub fn memory(&self) -> (u64, u64) {
-        (0, 0)
-    }
+
+    /// CPU times so far.
     pub fn cpu_times(&self) -> CpuTimes {
-        CpuTimes::default()
+        self.times
+    }
+
+    /// Whether the picture is 8 bit or linear.
+    pub fn output(&self) -> Output {
+        self.output
+    }
+
+    /// Bytes of device memory of the frame's images: as they share it, and as they would not.
+    pub fn memory(&self) -> (u64, u64) {
+        self.plan.bytes()
+    }
+
+    /// The 8-bit picture of the last run, sRGB, RGBA row by row from the top.
+    ///
+    /// # Errors
+    /// Where the frame is linear, or the device is lost.
+    pub fn ldr(&mut self) -> Result<Vec<u8>, FrameError> {
+        self.read("ldr", |bytes| bytes.to_vec())
+    }
+
+    /// The linear picture of the last run, RGBA row by row from the top, A = coverage.
+    ///
+    /// # Errors
+    /// Where the frame is 8 bit, or the device is lost.
+    pub fn linear(&mut self) -> Result<Vec<[f32; 4]>, FrameError> {
+        self.read("exr", |bytes| bytes.chunks_exact(16).map(bytemuck::pod_read_unaligned).collect())
+    }
+
+    /// How many 8 x 8 tiles each list of the last run holds.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn tile_counts(&self) -> Result<BTreeMap<String, u32>, FrameError> {
+        let mut counts = BTreeMap::new();
+        for (name, buffer) in self.buffers.iter().filter(|(n, _)| n.contains("tiles")) {
+            let host = Buffer::new(&self.gpu, "tile count", 16, vk::BufferUsageFlags::TRANSFER_DST, MemoryLocation::GpuToCpu)?;
+            record::read_buffer(&self.gpu, buffer, &host)?;
+            counts.insert(name.clone(), bytemuck::pod_read_unaligned(&host.bytes()?[..4]));
+        }
+        Ok(counts)
+    }
+
+    fn read<T>(&mut self, name: &str, decode: impl Fn(&[u8]) -> Vec<T>) -> Result<Vec<T>, FrameError> {
+        let image = self.images.get(name).ok_or_else(|| GpuError::Misuse(format!("this frame has no {name} picture")))?;
+        if self.readback.is_none() {
+            self.readback = Some(record::read_back(&self.gpu, &self.plan, name, image)?);
+        }
+        let Some((commands, buffer)) = &self.readback else { return Ok(Vec::new()) };
+        commands.run()?;
+        let texel = crate::plan::texel_bytes(image.desc.format);
+        let bytes = u64::from(self.size[0]) * u64::from(self.size[1]) * texel;
+        Ok(decode(&buffer.bytes()?[..bytes as usize]))
+    }
+
+    /// Counts what the frame keeps alive, for people who look for leaks.
+    pub fn objects(&self) -> usize {
+        self.images.len() + self.buffers.len() + self.pipelines.len() + self.resources.streams.len()
+    }
+}
+
+fn milliseconds(since: Instant) -> f64 {
+    since.elapsed().as_secs_f64() * 1e3
+}
+
+/// Makes every image, those of one block in one piece of memory.
+fn create_images(gpu: &Arc<Gpu>, plan: &Plan) -> Result<BTreeMap<String, Image>, FrameError> {
+    let mut blocks: BTreeMap<usize, Vec<Image>> = BTreeMap::new();
+    for TargetPlan { desc, block, .. } in plan.targets.values() {
+        let mut desc: ImageDesc = desc.clone();
+        desc.array = desc.name == "shadow";
+        if !gpu.supports(desc.format, desc.usage) {
+            let text = format!("{}: {:?} cannot be used as {:?} on {}", desc.name, desc.format, desc.usage, gpu.info().name);
+            return Err(GpuError::Misuse(text).into());
+        }
+        blocks.entry(*block).or_default().push(Image::unbound(gpu, desc)?);
+    }
+    let mut images = BTreeMap::new();
+    for (index, mut tenants) in blocks {
+        let block = Image::block(gpu, &format!("block {index}"), &tenants.iter().collect::<Vec<_>>())?;
+        for image in &mut tenants {
+            image.bind(&block)?;
+        }
+        images.extend(tenants.into_iter().map(|i| (i.desc.name.clone(), i)));
+    }
+    Ok(images)
+}
+
+impl From<Integral> for crate::skin::lut::Integral {
+    fn from(i: Integral) -> Self {
+        match i {
+            Integral::Sphere => Self::Sphere,
+            Integral::Ring => Self::Ring,
+            Integral::RingLiteral => Self::RingLiteral,
+        }
     }
 }

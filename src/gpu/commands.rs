@@ -300,6 +300,15 @@ impl Pass<'_> {
         self.last = vk::PipelineStageFlags2::ALL_TRANSFER;
     }
 
+    /// Copies the first `size` bytes of one buffer to another.
+    pub fn copy(&mut self, from: &Buffer, to: &Buffer, size: u64) {
+        let region = [vk::BufferCopy { src_offset: 0, dst_offset: 0, size }];
+        let r = &self.recorder;
+        // SAFETY: recording; both buffers are at least that long.
+        unsafe { r.gpu.device.cmd_copy_buffer(r.commands, from.handle, to.handle, &region) };
+        self.last = vk::PipelineStageFlags2::ALL_TRANSFER;
+    }
+
     /// Clears a colour image in TRANSFER_DST layout.
     pub fn clear(&mut self, image: &Image, value: [f32; 4]) {
         let color = vk::ClearColorValue { float32: value };

@@ -64,8 +64,8 @@ pub fn of_record(record: &Record) -> String {
     let _ = writeln!(out, "memory: {} of images; {} if none shared", human(m.shared), human(m.unshared));
     let _ = writeln!(
         out,
-        "host: plan {:.2} ms, pipelines {:.1} ms, upload {:.1} ms, recording {:.2} ms, last submit {:.1} us",
-        c.plan_ms, c.pipelines_ms, c.upload_ms, c.record_ms, c.last_submit_us
+        "host: plan {:.2} ms, pipelines {:.1} ms, upload {:.1} ms, recording {:.2} ms, last frame {:.2} ms",
+        c.plan_ms, c.pipelines_ms, c.upload_ms, c.record_ms, c.last_run_ms
     );
     for note in &record.notes {
         let _ = writeln!(out, "note: {note}");

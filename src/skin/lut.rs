@@ -80,7 +80,7 @@ impl Lut {
     /// What a bilinear sampler returns there: the CPU's twin of the GLSL, with exact fractions.
     ///
     /// Within 1e-3 of the exact integral at every radius from 0.5 mm up for the built-in profiles; at curvature 0
-    /// max(0, mu) but for the rounding of the fractions. A GPU that keeps 8 bits of the fraction adds up to 6e-5.
+    /// max(0, mu) but for the rounding of the fractions. A GPU that keeps 8 bits of the fraction adds up to 1e-4.
     pub fn sample(&self, mu: f64, curvature: f64) -> [f32; 3] {
         let [u, v] = self.coordinate(mu, curvature);
         let [width, height] = self.size;

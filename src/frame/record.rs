@@ -1,0 +1,270 @@
+//! Plan in, pipelines and a recorded command buffer out. This is the one place that walks a plan.
+
+use super::FrameError;
+use super::resources::Resources;
+use super::setup::alpha_cutoff;
+use super::uniforms::MaterialPush;
+use crate::gpu::commands::{Attachments, Bound, Guarded, Recorded, Recorder};
+use crate::gpu::pipeline::{Pipeline, Raster};
+use crate::gpu::timing::Timer;
+use crate::gpu::usage::{Barrier, State, Usage};
+use crate::gpu::{Buffer, Gpu, GpuError, Image};
+use crate::plan::{Domain, Geometry, Pass, Plan, Work};
+use crate::scene::{Draw, Material};
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// What a material's pipeline is specialised for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Class {
+    maps: [bool; 4],
+    masked: bool,
+    double_sided: bool,
+}
+
+/// Pipeline of each pass, or of each class of material in it.
+pub type Classes = Vec<BTreeMap<Option<ClassKey>, usize>>;
+/// Opaque key of a class of materials.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ClassKey(Class);
+
+/// Everything that recording looks at.
+pub struct World<'a> {
+    /// The frame.
+    pub plan: &'a Plan,
+    /// Its images.
+    pub images: &'a BTreeMap<String, Image>,
+    /// Its buffers.
+    pub buffers: &'a BTreeMap<String, Buffer>,
+    /// Pipelines.
+    pub pipelines: &'a [Pipeline],
+    /// Which pipeline a pass uses.
+    pub classes: &'a Classes,
+    /// The scene on the device.
+    pub resources: &'a Resources,
+    /// What is drawn.
+    pub draws: &'a [(Draw, &'a Material)],
+    /// Indices of the whole scene.
+    pub index_count: u32,
+    /// Scattering materials are marked.
+    pub scatters: bool,
+}
+
+fn class(material: &Material) -> ClassKey {
+    ClassKey(Class {
+        maps: maps(material).map(|m| m.is_some()),
+        masked: alpha_cutoff(material.alpha).is_some(),
+        double_sided: material.double_sided,
+    })
+}
+
+fn maps(m: &Material) -> [Option<usize>; 4] {
+    [m.base_color_texture, m.metallic_roughness_texture, m.normal_texture.map(|t| t.0), m.occlusion_texture.map(|t| t.0)]
+}
+
+/// Makes the pipelines of a plan.
+///
+/// # Errors
+/// Where the driver refuses.
+pub fn pipelines(
+    gpu: &Arc<Gpu>,
+    plan: &Plan,
+    draws: &[(Draw, &Material)],
+) -> Result<(Vec<Pipeline>, Classes), FrameError> {
+    let mut list = Vec::new();
+    let mut classes = Vec::new();
+    for pass in &plan.passes {
+        let mut map = BTreeMap::new();
+        match &pass.work {
+            Work::Compute { shader, .. } => {
+                map.insert(None, list.len());
+                list.push(Pipeline::compute(gpu, &pass.name, shader, &pass.constants)?);
+            }
+            Work::Raster { vertex, fragment, state, geometry: Geometry::Depth, .. } => {
+                map.insert(None, list.len());
+                list.push(Pipeline::graphics(gpu, &pass.name, vertex, *fragment, &pass.constants, state)?);
+            }
+            Work::Raster { vertex, fragment, state, geometry: Geometry::Materials, .. } => {
+                for (_, material) in draws {
+                    let key = class(material);
+                    if map.contains_key(&Some(key)) {
+                        continue;
+                    }
+                    let Class { maps, masked, double_sided } = key.0;
+                    let mut constants = pass.constants.clone();
+                    let names = ["BASE_MAP", "ROUGH_MAP", "NORMAL_MAP", "OCCLUSION_MAP"];
+                    constants.extend(names.into_iter().zip(maps).map(|(n, m)| (n, u32::from(m))));
+                    constants.push(("ALPHA_MASK", u32::from(masked)));
+                    let cull = if double_sided { vk::CullModeFlags::NONE } else { vk::CullModeFlags::BACK };
+                    let state = Raster { cull, ..state.clone() };
+                    map.insert(Some(key), list.len());
+                    list.push(Pipeline::graphics(gpu, &pass.name, vertex, *fragment, &constants, &state)?);
+                }
+            }
+            Work::Update { .. } | Work::Clear { .. } => {}
+        }
+        classes.push(map);
+    }
+    Ok((list, classes))
+}
+
+/// Records the frame.
+///
+/// # Errors
+/// Where a resource is missing, or the driver refuses.
+pub fn record(gpu: &Arc<Gpu>, timer: Option<Timer>, world: &World<'_>) -> Result<Recorded, FrameError> {
+    let mut recorder = Recorder::new(gpu, timer)?;
+    for (index, pass) in world.plan.passes.iter().enumerate() {
+        let barriers: Vec<(Guarded<'_>, Barrier)> =
+            pass.barriers.iter().filter_map(|(name, b)| Some((world.guarded(name)?, *b))).collect();
+        let mut open = recorder.pass(&pass.name, &barriers);
+        match &pass.work {
+            Work::Compute { domain, .. } => {
+                let pipeline = world.pipeline(index, None)?;
+                let find = |name: &str| world.find(pass, name, &[None; 4]);
+                match domain {
+                    Domain::Threads(threads) => open.dispatch_over(pipeline, *threads, &pass.push, find)?,
+                    Domain::Tiles(list) => {
+                        let missing = || GpuError::Misuse(format!("{}: no list {list}", pass.name));
+                        let arguments = world.buffers.get(*list).ok_or_else(missing)?;
+                        open.dispatch_indirect(pipeline, (arguments, 0), &pass.push, find)?;
+                    }
+                }
+            }
+            Work::Raster { colors, depth, geometry, .. } => {
+                let target = |name: &str| {
+                    world.images.get(name).ok_or_else(|| GpuError::Misuse(format!("{}: no target {name}", pass.name)))
+                };
+                let colors =
+                    colors.iter().map(|(n, clear)| Ok((target(n)?, *clear))).collect::<Result<Vec<_>, GpuError>>()?;
+                open.render(&Attachments { colors: &colors, depth: (target(&depth.0)?, depth.1, depth.2) });
+                let streams: Vec<&Buffer> = world.resources.streams.iter().collect();
+                let indices = &world.resources.indices;
+                match geometry {
+                    Geometry::Depth if world.index_count > 0 => {
+                        let pipeline = world.pipeline(index, None)?;
+                        let find = |name: &str| world.find(pass, name, &[None; 4]);
+                        open.prepare(pipeline, &streams[..1], indices, &pass.push, find)?;
+                        open.draw(0, world.index_count);
+                    }
+                    Geometry::Depth => {}
+                    Geometry::Materials => {
+                        for (draw, material) in world.draws.iter().filter(|(d, _)| d.index_count > 0) {
+                            let pipeline = world.pipeline(index, Some(class(material)))?;
+                            let push = material_push(material, world.scatters);
+                            let find = |name: &str| world.find(pass, name, &maps(material));
+                            open.prepare(pipeline, &streams, indices, bytemuck::bytes_of(&push), find)?;
+                            open.draw(draw.first_index, draw.index_count);
+                        }
+                    }
+                }
+                open.end_render();
+            }
+            Work::Update { buffers, bytes } => {
+                for name in buffers {
+                    if let Some(buffer) = world.buffers.get(name) {
+                        open.update(buffer, bytes);
+                    }
+                }
+            }
+            Work::Clear { image, value } => {
+                if let Some(image) = world.images.get(image) {
+                    open.clear(image, *value);
+                }
+            }
+        }
+    }
+    Ok(recorder.finish()?)
+}
+
+impl<'a> World<'a> {
+    fn guarded(&self, name: &str) -> Option<Guarded<'a>> {
+        let image = self.images.get(name).map(Guarded::Image);
+        image.or_else(|| self.buffers.get(name).map(Guarded::Buffer))
+    }
+
+    fn pipeline(&self, pass: usize, key: Option<ClassKey>) -> Result<&'a Pipeline, GpuError> {
+        let index = self.classes.get(pass).and_then(|m| m.get(&key)).copied();
+        index.and_then(|i| self.pipelines.get(i)).ok_or_else(|| GpuError::Misuse(format!("pass {pass} has no pipeline")))
+    }
+
+    fn find(&self, pass: &Pass, name: &str, maps: &[Option<usize>; 4]) -> Option<Bound<'a>> {
+        let name = pass.aliases.get(name).map_or(name, String::as_str);
+        if let Some(image) = self.images.get(name) {
+            let sampled = pass
+                .accesses
+                .iter()
+                .any(|(n, u)| n == name && matches!(u, Usage::ComputeSampled | Usage::FragmentSampled));
+            return Some(if sampled { Bound::Sampled(image, self.resources.nearest()) } else { Bound::Image(image) });
+        }
+        self.buffers.get(name).map(Bound::Buffer).or_else(|| self.resources.find(name, maps))
+    }
+}
+
+fn material_push(m: &Material, scatters: bool) -> MaterialPush {
+    let r = (m.ior - 1.) / (m.ior + 1.);
+    MaterialPush {
+        base_color: m.base_color,
+        roughness: m.roughness,
+        metallic: m.metallic,
+        normal_scale: m.normal_texture.map_or(1., |t| t.1),
+        occlusion_strength: m.occlusion_texture.map_or(1., |t| t.1),
+        alpha_cutoff: alpha_cutoff(m.alpha).unwrap_or(0.),
+        reflectance: r * r,
+        scatter: if scatters && m.scatter.is_some() { 1. } else { 0. },
+    }
+}
+
+/// Commands that copy a kept picture to a host buffer, and leave the image as the frame expects it: with any content.
+///
+/// # Errors
+/// Where the driver refuses.
+pub fn read_back(gpu: &Arc<Gpu>, plan: &Plan, name: &str, image: &Image) -> Result<(Recorded, Buffer), FrameError> {
+    let size = image.desc.size.map(u64::from);
+    let bytes = size[0] * size[1] * crate::plan::texel_bytes(image.desc.format);
+    let usage = vk::BufferUsageFlags::TRANSFER_DST;
+    let buffer = Buffer::new(gpu, "read-back", bytes, usage, MemoryLocation::GpuToCpu)?;
+    // How the frame leaves it: its last use.
+    let mut state = State::NEW;
+    for (_, usage) in plan.passes.iter().flat_map(|p| &p.accesses).filter(|(n, _)| n == name) {
+        state.next(*usage, true);
+    }
+    let left = state;
+    let mut recorder = Recorder::new(gpu, None)?;
+    let before: Vec<_> = state.next(Usage::CopyFrom, true).map(|b| (Guarded::Image(image), b)).into_iter().collect();
+    recorder.pass("read back", &before).read_back(image, &buffer);
+    let mut host = State::NEW;
+    host.next(Usage::CopyTo, false);
+    let mut after: Vec<_> = host.next(Usage::Host, false).map(|b| (Guarded::Buffer(&buffer), b)).into_iter().collect();
+    // Back to the layout it was found in, so that it can be read again without a frame between.
+    let barrier = Barrier {
+        src_stage: vk::PipelineStageFlags2::ALL_TRANSFER,
+        src_access: vk::AccessFlags2::NONE,
+        dst_stage: vk::PipelineStageFlags2::ALL_COMMANDS,
+        dst_access: vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE,
+        old_layout: state.layout(),
+        new_layout: left.layout(),
+    };
+    after.push((Guarded::Image(image), barrier));
+    drop(recorder.pass("to host", &after));
+    Ok((recorder.finish()?, buffer))
+}
+
+/// Copies the first bytes of a device buffer to the host, once.
+///
+/// # Errors
+/// Where the driver refuses.
+pub fn read_buffer(gpu: &Arc<Gpu>, from: &Buffer, to: &Buffer) -> Result<(), FrameError> {
+    let mut recorder = Recorder::new(gpu, None)?;
+    let mut state = State::NEW;
+    state.next(Usage::ComputeReadWrite, false);
+    let before: Vec<_> = state.next(Usage::CopyFrom, false).map(|b| (Guarded::Buffer(from), b)).into_iter().collect();
+    recorder.pass("read buffer", &before).copy(from, to, to.size);
+    let mut host = State::NEW;
+    host.next(Usage::CopyTo, false);
+    let after: Vec<_> = host.next(Usage::Host, false).map(|b| (Guarded::Buffer(to), b)).into_iter().collect();
+    drop(recorder.pass("to host", &after));
+    Ok(recorder.finish()?.run()?)
+}

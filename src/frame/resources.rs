@@ -1,0 +1,319 @@
+//! What a frame reads and never writes: vertex streams, textures, tables, constants.
+
+use super::setup::Setup;
+use super::uniforms::{FrameBlock, LightEntry, MAX_LEVELS};
+use super::{FrameError, Inputs};
+use crate::gpu::commands::{Bound, Guarded, Recorder};
+use crate::gpu::usage::{State, Usage};
+use crate::gpu::{Buffer, Gpu, Image, ImageDesc, Sampler};
+use crate::scene::{Filter, Texture, Wrap};
+use crate::settings::Method;
+use crate::skin::lut::Lut;
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+use half::f16;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Names that shaders may bind and that no plan makes.
+pub const EXTERNAL: &[&str] = &[
+    "frame",
+    "lights",
+    "shadows",
+    "shadow_world",
+    "lut",
+    "no shadow",
+    "base_color_map",
+    "metallic_roughness_map",
+    "normal_map",
+    "occlusion_map",
+];
+
+/// Scene data on the device.
+pub struct Resources {
+    /// Positions, normals, texture coordinates, tangents; those that are used.
+    pub streams: Vec<Buffer>,
+    /// Indices.
+    pub indices: Buffer,
+    textures: Vec<(Image, usize)>,
+    white: Image,
+    no_shadow: Image,
+    lut: Option<Image>,
+    samplers: Vec<Sampler>,
+    linear: Sampler,
+    nearest: Sampler,
+    frame: Buffer,
+    lights: Buffer,
+    shadows: Buffer,
+    shadow_world: Buffer,
+}
+
+/// A texture made ready on the CPU: all mips in one run of bytes.
+struct Pixels {
+    desc: ImageDesc,
+    bytes: Vec<u8>,
+    mips: Vec<(u64, [u32; 2])>,
+}
+
+impl Resources {
+    /// Uploads a scene and the constants of a frame.
+    ///
+    /// # Errors
+    /// Where memory or the driver gives out.
+    pub fn new(gpu: &Arc<Gpu>, inputs: &Inputs<'_>, s: &Setup) -> Result<Resources, FrameError> {
+        let scene = inputs.scene;
+        let lut = (s.settings.method == Method::Pdss && !s.levels.levels.is_empty())
+            .then(|| inputs.profile.as_ref().map(|p| Lut::build(p, s.settings.integral.into())))
+            .flatten();
+        let mut uploads = Upload::new(gpu)?;
+        let vertex = vk::BufferUsageFlags::VERTEX_BUFFER;
+        let mut streams = vec![
+            uploads.buffer("positions", bytemuck::cast_slice(&scene.positions), vertex)?,
+            uploads.buffer("normals", bytemuck::cast_slice(&scene.normals), vertex)?,
+        ];
+        if s.uvs {
+            streams.push(uploads.buffer("uvs", bytemuck::cast_slice(&scene.uvs), vertex)?);
+        }
+        if s.normal_maps {
+            streams.push(uploads.buffer("tangents", bytemuck::cast_slice(&scene.tangents), vertex)?);
+        }
+        let indices = uploads.buffer("indices", bytemuck::cast_slice(&scene.indices), vk::BufferUsageFlags::INDEX_BUFFER)?;
+        let mut samplers = Vec::new();
+        let mut kinds: Vec<([Wrap; 2], Filter)> = Vec::new();
+        let mut textures = Vec::new();
+        let ready: Vec<Pixels> = scene.textures.par_iter().map(mip_chain).collect();
+        for (texture, pixels) in scene.textures.iter().zip(ready) {
+            let kind = (texture.wrap, texture.filter);
+            let index = match kinds.iter().position(|k| *k == kind) {
+                Some(i) => i,
+                None => {
+                    kinds.push(kind);
+                    let filter = if texture.filter == Filter::Nearest { vk::Filter::NEAREST } else { vk::Filter::LINEAR };
+                    samplers.push(Sampler::new(gpu, "texture sampler", filter, texture.wrap.map(address), true)?);
+                    samplers.len() - 1
+                }
+            };
+            textures.push((uploads.image(pixels)?, index));
+        }
+        let white = uploads.image(single("white", vk::Format::R8G8B8A8_UNORM, &[255; 4]))?;
+        let mut none = single("no shadow", vk::Format::R8G8B8A8_UNORM, &[0; 4]);
+        none.desc.array = true;
+        let no_shadow = uploads.image(none)?;
+        let lut_pixels = lut.as_ref().map(|l| {
+            let bytes: Vec<u8> =
+                l.texels.iter().flat_map(|t| t.map(|x| f16::from_f32(x).to_le_bytes())).flatten().collect();
+            let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
+            let desc = ImageDesc::new("lut", vk::Format::R16G16B16A16_SFLOAT, l.size, usage);
+            Pixels { desc, bytes, mips: vec![(0, l.size)] }
+        });
+        let lut_image = lut_pixels.map(|p| uploads.image(p)).transpose()?;
+        uploads.run()?;
+
+        let view = inputs.camera.view_from_world();
+        let world = inputs.camera.world_from_view();
+        let entries: Vec<LightEntry> =
+            inputs.lights.iter().enumerate().map(|(i, l)| s.shadows.entry(i, l, view)).collect();
+        let from_view: Vec<[[f32; 4]; 4]> =
+            s.shadows.matrices.iter().map(|m| (*m * world).to_cols_array_2d()).collect();
+        let from_world: Vec<[[f32; 4]; 4]> = s.shadows.matrices.iter().map(|m| m.to_cols_array_2d()).collect();
+        let block = frame_block(inputs, s, lut.as_ref().map_or(1., |l| l.knee_per_mm as f32));
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let clamp = [vk::SamplerAddressMode::CLAMP_TO_EDGE; 2];
+        Ok(Resources {
+            streams,
+            indices,
+            textures,
+            white,
+            no_shadow,
+            lut: lut_image,
+            samplers,
+            linear: Sampler::new(gpu, "linear sampler", vk::Filter::LINEAR, clamp, false)?,
+            nearest: Sampler::new(gpu, "nearest sampler", vk::Filter::NEAREST, clamp, false)?,
+            frame: constants(gpu, "frame", bytemuck::bytes_of(&block), vk::BufferUsageFlags::UNIFORM_BUFFER)?,
+            lights: constants(gpu, "lights", bytemuck::cast_slice(&entries), storage)?,
+            shadows: constants(gpu, "shadows", bytemuck::cast_slice(&from_view), storage)?,
+            shadow_world: constants(gpu, "shadow_world", bytemuck::cast_slice(&from_world), storage)?,
+        })
+    }
+
+    /// The resource behind a name; `material` decides the texture maps.
+    pub fn find(&self, name: &str, maps: &[Option<usize>; 4]) -> Option<Bound<'_>> {
+        let map = |slot: usize| {
+            let texture = maps[slot].and_then(|i| self.textures.get(i));
+            match texture {
+                Some((image, sampler)) => Bound::Sampled(image, self.samplers.get(*sampler).unwrap_or(&self.linear)),
+                None => Bound::Sampled(&self.white, &self.linear),
+            }
+        };
+        Some(match name {
+            "frame" => Bound::Buffer(&self.frame),
+            "lights" => Bound::Buffer(&self.lights),
+            "shadows" => Bound::Buffer(&self.shadows),
+            "shadow_world" => Bound::Buffer(&self.shadow_world),
+            "no shadow" => Bound::Sampled(&self.no_shadow, &self.nearest),
+            "lut" => Bound::Sampled(self.lut.as_ref()?, &self.linear),
+            "base_color_map" => map(0),
+            "metallic_roughness_map" => map(1),
+            "normal_map" => map(2),
+            "occlusion_map" => map(3),
+            _ => return None,
+        })
+    }
+
+    /// The sampler of the frame's own images: depth and placeholders are read by texel.
+    pub fn nearest(&self) -> &Sampler {
+        &self.nearest
+    }
+}
+
+fn constants(gpu: &Arc<Gpu>, name: &str, bytes: &[u8], usage: vk::BufferUsageFlags) -> Result<Buffer, FrameError> {
+    let mut buffer = Buffer::new(gpu, name, bytes.len() as u64, usage, MemoryLocation::CpuToGpu)?;
+    buffer.write(bytes)?;
+    Ok(buffer)
+}
+
+fn frame_block(inputs: &Inputs<'_>, s: &Setup, lut_knee: f32) -> FrameBlock {
+    let camera = &inputs.camera;
+    let view = camera.view_from_world();
+    let aspect = s.size[0] as f32 / s.size[1] as f32;
+    let settings = &s.settings;
+    let (up, down) = (settings.ambient.up, settings.ambient.down);
+    let mut block: FrameBlock = bytemuck::Zeroable::zeroed();
+    block.clip_from_world = (camera.clip_from_view(aspect) * view).to_cols_array_2d();
+    block.view_from_world = view.to_cols_array_2d();
+    block.world_from_view = camera.world_from_view().to_cols_array_2d();
+    block.ray_scale = s.view.ray_scale.map(|x| x as f32);
+    block.ray_offset = s.view.ray_offset.map(|x| x as f32);
+    block.size = s.size.map(|x| x as i32);
+    block.perspective = s.view.perspective;
+    block.pixels_per_mm = s.view.pixels_per_mm as f32;
+    block.origin = inputs.scene.origin.as_vec3().to_array();
+    block.light_count = inputs.lights.len() as u32;
+    block.ambient_mean = std::array::from_fn(|c| (up[c] + down[c]) / 2.);
+    block.ambient_slope = std::array::from_fn(|c| (up[c] - down[c]) / 2.);
+    block.exposure = settings.exposure.exp2();
+    block.length_mm = s.levels.length_mm as f32;
+    block.up = view.transform_vector3(glam::Vec3::Y).to_array();
+    block.lut_knee = lut_knee;
+    let four = |v: [f64; 3], w: f64| [v[0] as f32, v[1] as f32, v[2] as f32, w as f32];
+    block.share[0] = four(s.levels.sharp, 0.);
+    block.sharp = four(s.levels.sharp, 0.);
+    for (i, level) in s.levels.levels.iter().enumerate().take(MAX_LEVELS) {
+        block.level[i] = four(level.weight, level.variance);
+        block.share[i + 1] = four(level.share, 0.);
+        // Curvature of a patch is known over a couple of sigma: that far it may occlude.
+        let radius = OCCLUSION_RADIUS_SIGMAS * level.variance.sqrt();
+        block.occlusion[i] = [(radius / s.levels.length_mm) as f32, 1., 0., 0.];
+    }
+    block
+}
+
+/// AO radius of a level in sigmas of its blur.
+const OCCLUSION_RADIUS_SIGMAS: f64 = 3.;
+
+fn address(wrap: Wrap) -> vk::SamplerAddressMode {
+    match wrap {
+        Wrap::Repeat => vk::SamplerAddressMode::REPEAT,
+        Wrap::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
+        Wrap::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
+    }
+}
+
+fn single(name: &str, format: vk::Format, bytes: &[u8]) -> Pixels {
+    let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
+    Pixels { desc: ImageDesc::new(name, format, [1, 1], usage), bytes: bytes.to_vec(), mips: vec![(0, [1, 1])] }
+}
+
+/// Box-filtered mips, in linear light where the texture is a colour.
+fn mip_chain(texture: &Texture) -> Pixels {
+    let format = if texture.srgb { vk::Format::R8G8B8A8_SRGB } else { vk::Format::R8G8B8A8_UNORM };
+    let mut size = [texture.width, texture.height];
+    let mut bytes = texture.rgba8.clone();
+    let mut mips = vec![(0, size)];
+    let decode: Vec<f32> = (0..256u32)
+        .map(|i| {
+            let c = i as f32 / 255.;
+            if !texture.srgb { c } else if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+        })
+        .collect();
+    let encode = |x: f32| {
+        let c = if !texture.srgb { x } else if x <= 0.003_130_8 { x * 12.92 } else { 1.055 * x.powf(1. / 2.4) - 0.055 };
+        (c * 255. + 0.5) as u8
+    };
+    let mut last = 0;
+    while size != [1, 1] {
+        let next = size.map(|x| (x / 2).max(1));
+        let mut level = Vec::with_capacity((next[0] * next[1] * 4) as usize);
+        let texel = |x: u32, y: u32| last + ((y.min(size[1] - 1) * size[0] + x.min(size[0] - 1)) * 4) as usize;
+        for y in 0..next[1] {
+            for x in 0..next[0] {
+                let at = [texel(2 * x, 2 * y), texel(2 * x + 1, 2 * y), texel(2 * x, 2 * y + 1), texel(2 * x + 1, 2 * y + 1)];
+                for c in 0..3 {
+                    level.push(encode(at.iter().map(|i| decode[bytes[i + c] as usize]).sum::<f32>() / 4.));
+                }
+                level.push((at.iter().map(|i| u32::from(bytes[i + 3])).sum::<u32>().div_ceil(4)) as u8);
+            }
+        }
+        last = bytes.len();
+        mips.push((last as u64, next));
+        bytes.extend_from_slice(&level);
+        size = next;
+    }
+    let mut desc = ImageDesc::new(
+        &texture.name,
+        format,
+        [texture.width, texture.height],
+        vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
+    );
+    desc.mips = mips.len() as u32;
+    Pixels { desc, bytes, mips }
+}
+
+/// Copies in flight: recorded together, submitted once.
+struct Upload {
+    gpu: Arc<Gpu>,
+    recorder: Recorder,
+    staging: Vec<Buffer>,
+}
+
+impl Upload {
+    fn new(gpu: &Arc<Gpu>) -> Result<Self, FrameError> {
+        Ok(Upload { gpu: gpu.clone(), recorder: Recorder::new(gpu, None)?, staging: Vec::new() })
+    }
+
+    fn stage(&mut self, name: &str, bytes: &[u8]) -> Result<(), FrameError> {
+        self.staging.push(constants(&self.gpu, &format!("{name} staging"), bytes, vk::BufferUsageFlags::TRANSFER_SRC)?);
+        Ok(())
+    }
+
+    fn buffer(&mut self, name: &str, bytes: &[u8], usage: vk::BufferUsageFlags) -> Result<Buffer, FrameError> {
+        let usage = usage | vk::BufferUsageFlags::TRANSFER_DST;
+        let buffer = Buffer::new(&self.gpu, name, bytes.len() as u64, usage, MemoryLocation::GpuOnly)?;
+        if !bytes.is_empty() {
+            self.stage(name, bytes)?;
+            if let Some(staging) = self.staging.last() {
+                self.recorder.pass(name, &[]).copy(staging, &buffer, bytes.len() as u64);
+            }
+        }
+        Ok(buffer)
+    }
+
+    fn image(&mut self, pixels: Pixels) -> Result<Image, FrameError> {
+        let image = Image::new(&self.gpu, pixels.desc)?;
+        self.stage(&image.desc.name.clone(), &pixels.bytes)?;
+        let mut state = State::NEW;
+        let before: Vec<_> = state.next(Usage::CopyTo, true).map(|b| (Guarded::Image(&image), b)).into_iter().collect();
+        if let Some(staging) = self.staging.last() {
+            self.recorder.pass(&image.desc.name, &before).upload(staging, &image, &pixels.mips);
+        }
+        let after: Vec<_> =
+            state.next(Usage::FragmentSampled, true).map(|b| (Guarded::Image(&image), b)).into_iter().collect();
+        drop(self.recorder.pass("ready", &after));
+        Ok(image)
+    }
+
+    /// Submits and waits: the staging buffers may go, and later submits see everything.
+    fn run(self) -> Result<(), FrameError> {
+        Ok(self.recorder.finish()?.run()?)
+    }
+}

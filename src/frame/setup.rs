@@ -1,0 +1,174 @@
+//! What a frame needs, found out from scene, camera, lights, profile and settings before anything is planned.
+
+use super::levels::{Levels, Magnification};
+use super::shadows::Shadows;
+use super::{FrameError, Inputs};
+use crate::scene::Alpha;
+use crate::scene::{Camera, Projection};
+use crate::settings::{Method, Settings, View};
+use glam::Vec3;
+
+/// What becomes of the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Output {
+    /// Tone-mapped, 8 bit, sRGB.
+    Ldr,
+    /// Linear, 32-bit float, untouched by exposure curves.
+    Linear,
+}
+
+/// The facts that stages decide by.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// As asked for.
+    pub settings: Settings,
+    /// Pixels.
+    pub size: [u32; 2],
+    /// 8-bit or linear; views other than lit ones are always linear.
+    pub output: Output,
+    /// Some visible material scatters.
+    pub scatters: bool,
+    /// Some material has a normal map.
+    pub normal_maps: bool,
+    /// Some material is textured.
+    pub uvs: bool,
+    /// The blur.
+    pub levels: Levels,
+    /// Shadow maps and slots.
+    pub shadows: Shadows,
+    /// Curvature is used.
+    pub curvature: bool,
+    /// Why it is not.
+    pub why_no_curvature: &'static str,
+    /// Ambient occlusion is used.
+    pub ao: bool,
+    /// There is ambient light.
+    pub ambient: bool,
+    /// Projection facts.
+    pub view: ViewFacts,
+}
+
+/// The camera as screen stages see it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ViewFacts {
+    /// View x, y per pixel at unit distance, or in mm for a parallel projection.
+    pub ray_scale: [f64; 2],
+    /// So that ray = scale * (pixel + 1/2) + offset.
+    pub ray_offset: [f64; 2],
+    /// 1 perspective, 0 parallel.
+    pub perspective: f32,
+    /// Pixels per mm at unit distance.
+    pub pixels_per_mm: f64,
+    /// Pixels per mm where the scene is.
+    pub magnification: Magnification,
+}
+
+impl Setup {
+    /// Finds the facts.
+    ///
+    /// # Errors
+    /// Where a view shows something that the method does not make.
+    pub fn new(inputs: &Inputs<'_>) -> Result<Setup, FrameError> {
+        let (scene, settings) = (inputs.scene, &inputs.settings);
+        let size = [settings.size.width, settings.size.height];
+        let view = ViewFacts::new(&inputs.camera, size, scene.bounds.min, scene.bounds.max);
+        let used = |test: &dyn Fn(&crate::scene::Material) -> bool| {
+            scene.draws.iter().any(|d| d.index_count > 0 && scene.materials.get(d.material).is_some_and(test))
+        };
+        let scatters = inputs.profile.is_some() && used(&|m| m.scatter.is_some()) && settings.method != Method::Lambert;
+        let levels = match &inputs.profile {
+            Some(profile) if scatters => Levels::new(profile, settings, view.magnification),
+            _ => Levels { sharp: [1.; 3], length_mm: 1., ..Levels::default() },
+        };
+        let ambient = settings.ambient.up.iter().chain(&settings.ambient.down).any(|x| *x > 0.);
+        let lit = matches!(settings.view, View::Final | View::Ao);
+        let ao = lit && ((ambient && !settings.no_ao) || settings.view == View::Ao) && !levels.levels.is_empty();
+        let wanted = settings.view == View::Curvature || settings.view == View::SoftCurvature;
+        let blurred = !levels.levels.is_empty();
+        let curvature = wanted || ao || (settings.method == Method::Pdss && blurred) || (settings.no_elide && blurred);
+        let why_no_curvature = match (scatters, settings.method) {
+            (false, _) => "no material scatters",
+            (_, Method::Moments) => "moments does not use curvature, and ambient occlusion is off",
+            _ => "every level projects below a pixel",
+        };
+        let soft = matches!(settings.view, View::SoftNormal | View::SoftCurvature);
+        let lit_view = matches!(settings.view, View::Final | View::Scatter | View::Irradiance | View::Ao);
+        let mut shadows = Shadows::new(inputs);
+        if !scatters && settings.view != View::Visibility {
+            // Nobody blurs visibility: lighting looks it up itself.
+            shadows.without_slots();
+        }
+        let missing = if soft && !blurred {
+            Some("a blurred level; take --method pdss or moments, a scattering profile, and come closer")
+        } else if settings.view == View::Visibility && shadows.slots == 0 {
+            Some("a light that casts a shadow")
+        } else if settings.view == View::Ao && !ao {
+            Some("a blurred level of curvature; take --method pdss or moments and a scattering profile")
+        } else {
+            None
+        };
+        if let Some(what) = missing {
+            return Err(FrameError::View { view: settings.view, what });
+        }
+        Ok(Setup {
+            size,
+            output: if lit_view { inputs.output } else { Output::Linear },
+            scatters,
+            normal_maps: used(&|m| m.normal_texture.is_some()) && !scene.tangents.is_empty(),
+            uvs: used(&|m| m.is_textured()) && !scene.uvs.is_empty(),
+            levels,
+            shadows,
+            curvature,
+            why_no_curvature,
+            ao,
+            ambient,
+            view,
+            settings: settings.clone(),
+        })
+    }
+
+    /// Pixels of the picture.
+    pub fn pixels(&self) -> u64 {
+        u64::from(self.size[0]) * u64::from(self.size[1])
+    }
+
+    /// The target that holds the normal that light falls on.
+    pub fn shading_normal(&self) -> &'static str {
+        if self.normal_maps { "bumped" } else { "normal" }
+    }
+}
+
+impl ViewFacts {
+    fn new(camera: &Camera, size: [u32; 2], min: Vec3, max: Vec3) -> Self {
+        let [w, h] = size.map(f64::from);
+        let (half_height, perspective) = match camera.projection {
+            Projection::Perspective { fov_y } => ((f64::from(fov_y) / 2.).tan(), 1.),
+            Projection::Orthographic { height_mm } => (f64::from(height_mm) / 2., 0.),
+        };
+        let pixels_per_mm = h / (2. * half_height);
+        let distances = (0..8).map(|i| {
+            let corner = Vec3::select(glam::BVec3::new(i & 1 > 0, i & 2 > 0, i & 4 > 0), max, min);
+            f64::from((corner - camera.eye).dot(camera.forward))
+        });
+        let middle = f64::from(((min + max) / 2. - camera.eye).dot(camera.forward));
+        let nearest = distances.fold(f64::INFINITY, f64::min).max(f64::from(camera.near_mm)).max(middle * 1e-3);
+        let at = |d: f64| if perspective > 0. { pixels_per_mm / d.max(f64::MIN_POSITIVE) } else { pixels_per_mm };
+        ViewFacts {
+            // Square pixels: the vertical field of view sets both.
+            ray_scale: [2. * half_height / h, -2. * half_height / h],
+            ray_offset: [-half_height * w / h, half_height],
+            perspective,
+            pixels_per_mm,
+            magnification: Magnification { nearest: at(nearest), middle: at(middle.max(nearest)) },
+        }
+    }
+}
+
+/// Whether a material is drawn with an alpha test: masks, and blends, which this renderer draws as cut-outs at one half.
+pub fn alpha_cutoff(alpha: Alpha) -> Option<f32> {
+    match alpha {
+        Alpha::Opaque => None,
+        Alpha::Mask(cutoff) => Some(cutoff),
+        Alpha::Blend => Some(0.5),
+    }
+}

@@ -1,0 +1,162 @@
+//! Which lights cast shadows, and the matrices they are cast by.
+
+use super::Inputs;
+use super::uniforms::LightEntry;
+use crate::scene::{Light, LightKind};
+use crate::settings::Quality;
+use glam::camera::rh::proj::vulkan::perspective_infinite_reverse;
+use glam::{Mat4, Vec3, Vec4};
+
+/// Most layers of shadow maps: a point light takes six.
+pub const MAX_LAYERS: usize = 16;
+/// Lights whose visibility is scattered: what the visibility target has channels for.
+pub const MAX_SLOTS: usize = 2;
+
+/// Shadow maps of a frame.
+#[derive(Clone, Debug, Default)]
+pub struct Shadows {
+    /// One a layer, from the scene's space to the layer's clip space, depth reversed.
+    pub matrices: Vec<Mat4>,
+    /// Texels on a side.
+    pub size: u32,
+    /// Lights whose visibility is scattered.
+    pub slots: usize,
+    /// Why there are none.
+    pub why_none: &'static str,
+    /// First layer, texel size and slot of each light.
+    lights: Vec<(i32, f32, i32)>,
+    /// Lights beyond [`MAX_LAYERS`]: they shine through.
+    pub beyond: usize,
+}
+
+impl Shadows {
+    /// Decides layers and fits their matrices to what can cast.
+    pub fn new(inputs: &Inputs<'_>) -> Shadows {
+        let size = match inputs.settings.quality {
+            Quality::Low => 1024,
+            Quality::Medium | Quality::High => 2048,
+            Quality::Ultra => 4096,
+        };
+        let mut s = Shadows { size, lights: vec![(-1, 0., -1); inputs.lights.len()], ..Shadows::default() };
+        if inputs.settings.no_shadows {
+            s.why_none = "shadows are off";
+            return s;
+        }
+        if inputs.lights.is_empty() {
+            s.why_none = "there is no light";
+            return s;
+        }
+        if inputs.scene.indices.is_empty() {
+            s.why_none = "nothing casts";
+            return s;
+        }
+        for (i, light) in inputs.lights.iter().enumerate() {
+            if light.intensity <= 0. || light.color.iter().all(|c| *c <= 0.) {
+                continue;
+            }
+            let (matrices, texel) = cast(light, &inputs.scene.positions, size);
+            if s.matrices.len() + matrices.len() > MAX_LAYERS {
+                s.beyond += 1;
+                continue;
+            }
+            let slot = if s.slots < MAX_SLOTS { s.slots as i32 } else { -1 };
+            s.slots += usize::from(slot >= 0);
+            s.lights[i] = (s.matrices.len() as i32, texel, slot);
+            s.matrices.extend(matrices);
+        }
+        if s.matrices.is_empty() {
+            s.why_none = "no light is on";
+        }
+        s
+    }
+
+    /// Nobody scatters visibility.
+    pub fn without_slots(&mut self) {
+        self.slots = 0;
+        self.lights.iter_mut().for_each(|l| l.2 = -1);
+    }
+
+    /// A light as the shaders see it.
+    pub fn entry(&self, index: usize, light: &Light, view_from_world: Mat4) -> LightEntry {
+        let (layer, texel_mm, slot) = self.lights.get(index).copied().unwrap_or((-1, 0., -1));
+        let rotate = |v: Vec3| view_from_world.transform_vector3(v).to_array();
+        let place = |v: Vec3| view_from_world.transform_point3(v).to_array();
+        let (position, kind, axis, inner_cos, outer_cos) = match light.kind {
+            LightKind::Directional { direction } => (rotate(direction), 0, [0.; 3], 0., 0.),
+            LightKind::Point { position } => (place(position), 1, [0.; 3], 0., 0.),
+            LightKind::Spot { position, direction, inner_cos, outer_cos } => {
+                (place(position), 2, rotate(direction), inner_cos, outer_cos)
+            }
+        };
+        LightEntry {
+            position,
+            kind,
+            color: light.color.map(|c| c * light.intensity),
+            range_mm: light.range_mm.unwrap_or(0.),
+            axis,
+            inner_cos,
+            outer_cos,
+            layer,
+            texel_mm,
+            slot,
+        }
+    }
+}
+
+/// The layers of one light, and what a texel covers: mm for a parallel light, mm per mm of distance for the others.
+fn cast(light: &Light, positions: &[[f32; 3]], size: u32) -> (Vec<Mat4>, f32) {
+    match light.kind {
+        LightKind::Directional { direction } => {
+            let (matrix, texel) = parallel(direction, positions, size);
+            (vec![matrix], texel)
+        }
+        LightKind::Point { position } => {
+            // A little more than a right angle, so that the filter finds its neighbours at the seams.
+            let fov = 92f32.to_radians();
+            let axes = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z];
+            let near = nearest(position, positions);
+            let matrices = axes.iter().map(|axis| looking(position, *axis, fov, near)).collect();
+            (matrices, 2. * (fov / 2.).tan() / size as f32)
+        }
+        LightKind::Spot { position, direction, outer_cos, .. } => {
+            let fov = (2f32 * outer_cos.clamp(-0.98, 0.9999).acos() * 1.02).min(2.8);
+            let near = nearest(position, positions);
+            (vec![looking(position, direction, fov, near)], 2. * (fov / 2.).tan() / size as f32)
+        }
+    }
+}
+
+/// A near plane just before the nearest vertex; with reversed infinite depth its place costs no precision.
+fn nearest(from: Vec3, positions: &[[f32; 3]]) -> f32 {
+    let square = positions.iter().map(|p| (Vec3::from(*p) - from).length_squared()).fold(f32::INFINITY, f32::min);
+    // A face can be nearer than its vertices; a tenth is safe, and costs nothing.
+    (square.sqrt() * 0.1).max(1e-3)
+}
+
+fn looking(position: Vec3, direction: Vec3, fov: f32, near: f32) -> Mat4 {
+    let up = if direction.y.abs() > 0.9 { Vec3::X } else { Vec3::Y };
+    let view = glam::camera::rh::view::look_to_mat4(position, direction, up);
+    perspective_infinite_reverse(fov, 1., near) * view
+}
+
+/// A box around everything that casts, as the light sees it. It follows the scene, not the camera, so nothing swims.
+fn parallel(direction: Vec3, positions: &[[f32; 3]], size: u32) -> (Mat4, f32) {
+    let (right, up) = direction.any_orthonormal_pair();
+    let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for p in positions {
+        let p = Vec3::from(*p);
+        let q = Vec3::new(p.dot(right), p.dot(up), p.dot(direction));
+        min = min.min(q);
+        max = max.max(q);
+    }
+    // Room for the filter at the border, and an extent even for a flat scene.
+    let extent = (max - min).max(Vec3::splat((max - min).max_element().max(f32::MIN_POSITIVE) * 1e-3));
+    let middle = (min + max) / 2.;
+    let half = extent / 2. * (1. + 8. / size as f32);
+    let row = |axis: Vec3, centre: f32, half: f32| (axis / half).extend(-centre / half);
+    let (x, y) = (row(right, middle.x, half.x), row(up, middle.y, half.y));
+    let d = row(direction, middle.z, half.z);
+    let z = Vec4::new(d.x, d.y, d.z, d.w + 1.) * 0.5;
+    let texel = 2. * half.x.max(half.y) / size as f32;
+    (Mat4::from_cols(x, y, z, Vec4::W).transpose(), texel)
+}

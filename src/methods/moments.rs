@@ -1,0 +1,16 @@
+//! Ours: normals are blurred with every Gaussian of the profile and not normalised; mean and spread of n.l give each
+//! Gaussian's share in closed form (`skin::moments`). No table; curvature only where ambient occlusion wants it.
+
+use crate::frame::setup::Setup;
+use crate::plan::Plan;
+use crate::stages::{blur, curvature, gbuffer, shadow, tiles, visibility};
+
+/// The frame up to lighting.
+pub fn frame(p: &mut Plan, s: &Setup) {
+    shadow::add(p, s); //     meshes                                -> shadow
+    gbuffer::add(p, s); //    meshes                                -> viewz normal albedo material bumped
+    tiles::add(p, s); //      viewz                                 -> tile lists
+    visibility::add(p, s); // viewz normal shadow                   -> visibility
+    curvature::add(p, s); //  viewz normal                          -> curvature   (for ambient occlusion)
+    blur::add(p, s); //       viewz normal curvature visibility     -> soft0.. softvis0..
+} //                          light: G-buffer soft softvis          -> hdr; tonemap: hdr -> ldr

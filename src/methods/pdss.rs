@@ -1,0 +1,16 @@
+//! Pre-integrated deferred subsurface scattering (Chen, Lambert & Penner, SIGGRAPH 2014 poster): curvature and normals are
+//! diffused by a cross-bilateral blur, then lit through a table that holds the scattering (Penner & Borshukov 2011).
+
+use crate::frame::setup::Setup;
+use crate::plan::Plan;
+use crate::stages::{blur, curvature, gbuffer, shadow, tiles, visibility};
+
+/// The frame up to lighting.
+pub fn frame(p: &mut Plan, s: &Setup) {
+    shadow::add(p, s); //     meshes                                -> shadow
+    gbuffer::add(p, s); //    meshes                                -> viewz normal albedo material bumped
+    tiles::add(p, s); //      viewz                                 -> tile lists
+    visibility::add(p, s); // viewz normal shadow                   -> visibility
+    curvature::add(p, s); //  viewz normal                          -> curvature
+    blur::add(p, s); //       viewz normal curvature visibility     -> soft0.. softvis0..
+} //                          light: G-buffer soft softvis lut      -> hdr; tonemap: hdr -> ldr

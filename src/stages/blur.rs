@@ -1,0 +1,49 @@
+//! blur: viewz, and normal + curvature + visibility or a level -> a wider level. One pass a step of [`Levels`].
+//!
+//! [`Levels`]: crate::frame::levels::Levels
+
+use super::tiles;
+use crate::frame::setup::Setup;
+use crate::plan::{Domain, Plan};
+use crate::shaders;
+
+/// Adds the passes.
+pub fn add(plan: &mut Plan, s: &Setup) {
+    for variance in &s.levels.below_a_pixel {
+        let why = format!("sigma {:.3} mm projects below a pixel here", variance.sqrt());
+        plan.leave_out("blur level", why, 8 * s.pixels());
+    }
+    let seen = s.shadows.slots > 0;
+    let mut source = String::new();
+    for (index, step) in s.levels.steps.iter().enumerate() {
+        // A pass on the way to a level writes a target that only the next pass reads.
+        let stem = step.level.map_or(format!("way{index}"), |l| l.to_string());
+        let (target, visibility) = (format!("soft{stem}"), format!("softvis{stem}"));
+        let size = s.size.map(|x| x.div_ceil(step.stride.1));
+        plan.image_as(&target, ash::vk::Format::R32G32_UINT, size, 1);
+        if seen {
+            plan.image_as(&visibility, ash::vk::Format::R32_UINT, size, 1);
+        }
+        let shader = match (index, seen) {
+            (0, false) => &shaders::BLUR_FIRST,
+            (0, true) => &shaders::BLUR_FIRST_VIS,
+            (_, false) => &shaders::BLUR_NEXT,
+            (_, true) => &shaders::BLUR_NEXT_VIS,
+        };
+        let pass = plan
+            .compute(&format!("blur{index}"), shader, Domain::Tiles(tiles::scatter(step.stride.1)))
+            .constant("SOURCE_STRIDE", step.stride.0)
+            .constant("TARGET_STRIDE", step.stride.1)
+            .constant("CURVATURE", u32::from(s.curvature))
+            .bind("normal", s.shading_normal())
+            .bind("source", format!("soft{source}"))
+            .bind("target", target)
+            .bind("source_visibility", if index == 0 { "visibility".to_owned() } else { format!("softvis{source}") })
+            .bind("target_visibility", visibility)
+            .push(&(step.variance as f32));
+        if !s.curvature {
+            pass.absent("curvature");
+        }
+        source = stem;
+    }
+}

@@ -1,0 +1,25 @@
+//! curvature: viewz, normal -> curvature. The estimator and the twin (GLSL or hand-written SPIR-V) are settings.
+
+use super::tiles;
+use crate::frame::setup::Setup;
+use crate::plan::{Domain, Plan};
+use crate::settings::{Curvature, Kernels, View};
+use crate::shaders;
+
+/// Adds the pass, if anything uses curvature.
+pub fn add(plan: &mut Plan, s: &Setup) {
+    if !s.curvature {
+        plan.leave_out("curvature", s.why_no_curvature, 8 * s.pixels());
+        return;
+    }
+    plan.image("curvature", s.size);
+    let shader = match (s.settings.kernels, s.settings.curvature) {
+        (Kernels::Spirv, Curvature::Metric) => &shaders::CURVATURE_SPIRV,
+        (_, Curvature::Vergne) => &shaders::CURVATURE_VERGNE,
+        (_, Curvature::Trace) => &shaders::CURVATURE_TRACE,
+        (_, Curvature::Metric) => &shaders::CURVATURE_METRIC,
+        (_, Curvature::Fit) => &shaders::CURVATURE_FIT,
+    };
+    let domain = if s.settings.view == View::Curvature { tiles::SURFACE } else { tiles::scatter(1) };
+    plan.compute("curvature", shader, Domain::Tiles(domain));
+}

@@ -1,0 +1,14 @@
+//! The steps of a frame: one file a stage, one shader of the same stem. A stage adds its passes to the [`Plan`]; what they
+//! touch is read from the shader, so a stage names its module, its domain, its constants, and nothing else.
+//!
+//! [`Plan`]: crate::plan::Plan
+
+pub mod blur;
+pub mod curvature;
+pub mod gbuffer;
+pub mod light;
+pub mod shadow;
+pub mod tiles;
+pub mod tonemap;
+pub mod view;
+pub mod visibility;

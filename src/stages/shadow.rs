@@ -1,0 +1,31 @@
+//! shadow: meshes -> shadow. One depth-only pass a layer: one a directional or spot light, six a point light.
+
+use crate::frame::setup::Setup;
+use crate::gpu::pipeline::Raster;
+use crate::plan::{Geometry, Plan};
+use crate::{shaders, targets};
+use ash::vk;
+
+/// Adds the passes.
+pub fn add(plan: &mut Plan, s: &Setup) {
+    let layers = s.shadows.matrices.len() as u32;
+    if layers == 0 {
+        plan.leave_out("shadow", s.shadows.why_none, 0);
+        return;
+    }
+    let format = targets::describe("shadow").map_or(vk::Format::D32_SFLOAT, |t| t.format);
+    plan.image_as("shadow", format, [s.shadows.size; 2], layers);
+    for layer in 0..layers {
+        let state = Raster {
+            depth: format,
+            compare: vk::CompareOp::GREATER,
+            // Slope bias away from the light (reversed depth); the rest is the receiver's normal offset.
+            bias: Some((-1., 0.)),
+            streams: vec![(0, vk::Format::R32G32B32_SFLOAT)],
+            ..Raster::default()
+        };
+        let depth = ("shadow".to_owned(), Some(layer), 0.);
+        let name = if layers == 1 { "shadow".to_owned() } else { format!("shadow{layer}") };
+        plan.raster(&name, &shaders::SHADOW_VERT, None, state, Vec::new(), depth, Geometry::Depth).push(&layer);
+    }
+}

@@ -1,0 +1,47 @@
+//! tiles: viewz -> lists of the 8 x 8 tiles that hold a surface, and that hold a scattering one, at each stride in use.
+
+use crate::frame::setup::Setup;
+use crate::plan::{Domain, Plan};
+use crate::shaders;
+
+/// Tiles of the picture that hold any surface.
+pub const SURFACE: &str = "surface_tiles";
+
+/// The list of scattering tiles on a grid of `stride` pixels.
+pub fn scatter(stride: u32) -> &'static str {
+    match stride {
+        1 => "scatter_tiles",
+        2 => "scatter_tiles2",
+        _ => "scatter_tiles4",
+    }
+}
+
+/// Adds the passes.
+pub fn add(plan: &mut Plan, s: &Setup) {
+    let mut strides: Vec<u32> = std::iter::once(1).chain(s.levels.levels.iter().map(|l| l.stride)).collect();
+    strides.sort_unstable();
+    strides.dedup();
+    let tiles = |stride: u32| s.size[0].div_ceil(8 * stride) * s.size[1].div_ceil(8 * stride);
+    let mut lists = vec![(SURFACE, 1)];
+    if s.scatters {
+        lists.extend(strides.iter().map(|stride| (scatter(*stride), *stride)));
+    } else {
+        plan.leave_out("scatter tiles", "no material scatters", 0);
+    }
+    for (name, stride) in &lists {
+        plan.buffer(name, 16 + 4 * u64::from(tiles(*stride)));
+    }
+    let empty: [u32; 4] = [0, 1, 1, 0];
+    plan.update("reset tiles", lists.iter().map(|l| l.0.to_owned()).collect(), bytemuck::bytes_of(&empty).to_vec());
+    for stride in strides {
+        if stride > 1 && !s.scatters {
+            continue;
+        }
+        let name = if stride == 1 { "tiles".to_owned() } else { format!("tiles/{stride}") };
+        plan.compute(&name, &shaders::TILES, Domain::Threads([tiles(stride), 1]))
+            .constant("STRIDE", stride)
+            .constant("SURFACE", u32::from(stride == 1))
+            .constant("SCATTER", u32::from(s.scatters))
+            .bind("scatter_tiles", if s.scatters { scatter(stride) } else { SURFACE });
+    }
+}

@@ -1,0 +1,29 @@
+//! view: any target -> exr, decoded to its unit.
+
+use super::tiles;
+use crate::frame::setup::Setup;
+use crate::plan::{Domain, Plan};
+use crate::settings::View;
+use crate::shaders;
+
+/// Adds the pass that shows the target a view names.
+pub fn add(plan: &mut Plan, s: &Setup) {
+    let last = s.levels.levels.len().saturating_sub(1);
+    let (shader, source) = match s.settings.view {
+        View::Albedo => (&shaders::VIEW_ALBEDO, "albedo".to_owned()),
+        View::Material => (&shaders::VIEW_ALBEDO, "material".to_owned()),
+        View::Normal => (&shaders::VIEW_NORMAL, "normal".to_owned()),
+        View::ShadingNormal => (&shaders::VIEW_NORMAL, s.shading_normal().to_owned()),
+        View::Position => (&shaders::VIEW_POSITION, String::new()),
+        View::Curvature => (&shaders::VIEW_CURVATURE, "curvature".to_owned()),
+        View::SoftNormal => (&shaders::VIEW_SOFT_NORMAL, format!("soft{last}")),
+        View::SoftCurvature => (&shaders::VIEW_SOFT_CURVATURE, format!("soft{last}")),
+        View::Visibility => (&shaders::VIEW_VISIBILITY, "visibility".to_owned()),
+        _ => (&shaders::VIEW_DEPTH, String::new()),
+    };
+    plan.image("exr", s.size);
+    plan.compute("view", shader, Domain::Tiles(tiles::SURFACE))
+        .constant("ROOTED", u32::from(s.settings.view == View::Albedo))
+        .constant("STRIDE", s.levels.levels.last().map_or(1, |l| l.stride))
+        .bind("source", source);
+}

@@ -1,0 +1,16 @@
+//! visibility: viewz, normal, shadow -> visibility. Apart from `light`, because the blur scatters it.
+
+use super::tiles;
+use crate::frame::setup::Setup;
+use crate::plan::{Domain, Plan};
+use crate::shaders;
+
+/// Adds the pass, if a light has a slot.
+pub fn add(plan: &mut Plan, s: &Setup) {
+    if s.shadows.slots == 0 {
+        plan.leave_out("visibility", "no shadow to scatter", 4 * s.pixels());
+        return;
+    }
+    plan.image("visibility", s.size);
+    plan.compute("visibility", &shaders::VISIBILITY, Domain::Tiles(tiles::SURFACE)).bind("normal", s.shading_normal());
+}
