@@ -167,6 +167,13 @@ impl View {
         Ok(gpu)
     }
 
+    /// A line for people who asked for more.
+    pub fn tell(&self, line: &str) {
+        if self.verbose {
+            say(line);
+        }
+    }
+
     /// Whether the validation layers are on.
     pub fn validates(&self) -> bool {
         self.device.validate

@@ -68,7 +68,8 @@ impl Profile {
         let mut renderer = Renderer::new(gpu, stage.inputs(Some(self.timing), Output::Ldr))?;
         let warmup = self.warmup.map_or(Warmup::Settle, |n| Warmup::Exactly(n as usize));
         let progress = Progress { shown: io::stderr().is_terminal() };
-        let (warmed, samples) = measure::measure(&mut renderer, warmup, self.frames as usize, |done, all| progress.show(done, all))?;
+        let (warmed, samples) =
+            measure::measure(&mut renderer, warmup, self.frames as usize, |done, all| progress.show(done, all))?;
         drop(progress);
         let subject = Subject {
             scene: stage.name.clone(),

@@ -5,6 +5,7 @@ use super::failure::Failure;
 use clap::Args;
 use pdss::frame::{Output, Renderer};
 use pdss::report::picture::{self, Format};
+use pdss::report::preview;
 use std::path::PathBuf;
 
 /// Options of `pdss render`.
@@ -34,9 +35,16 @@ impl Render {
         for _ in 0..self.frames {
             renderer.run()?;
         }
-        match format {
-            Format::Png => picture::write_png(&self.output, stage.size(), &renderer.ldr()?)?,
-            Format::Exr => picture::write_exr(&self.output, stage.size(), &renderer.linear()?)?,
+        let size = stage.size();
+        match (format, renderer.output()) {
+            (Format::Png, Output::Ldr) => picture::write_png(&self.output, size, &renderer.ldr()?)?,
+            (Format::Exr, _) => picture::write_exr(&self.output, size, &renderer.linear()?)?,
+            // A view of numbers is linear whatever the picture is; a PNG shows them to people.
+            (Format::Png, Output::Linear) => {
+                let (texels, meaning) = preview::encode(stage.settings.view, &renderer.linear()?);
+                self.view.tell(&format!("{}: {meaning}", self.output.display()));
+                picture::write_png(&self.output, size, &texels)?;
+            }
         }
         drop(renderer);
         args::close(gpu)

@@ -3,6 +3,7 @@
 pub mod explain;
 pub mod measure;
 pub mod picture;
+pub mod preview;
 pub mod record;
 pub mod stats;
 pub mod table;
