@@ -191,6 +191,9 @@ fn reason(plan: &Plan, index: usize, name: &str, barrier: &Barrier) -> String {
     let written_by = writer.map_or("the frame before", |w| plan.passes[w].name.as_str());
     let hazard = match (writes(index), readers.is_empty()) {
         (true, false) => format!("write after read: {me} writes what {} read", readers.join(", ")),
+        (true, true) if usages(index).any(|u| u.access().writes && !u.access().discards) => {
+            format!("read after write: {me} reads and adds to what {written_by} wrote")
+        }
         (true, true) => format!("write after write: {me} writes over what {written_by} wrote"),
         (false, _) if transition && last != writer.unwrap_or(usize::MAX) => {
             return format!(

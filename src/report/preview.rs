@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn light_is_encoded() {
-        let (texels, _) = encode(View::Scatter, &[[0.214_041_1, 0., 1., 1.]]);
+        let (texels, _) = encode(View::Scatter, &[[0.215_860_5, 0., 1., 1.]]);
         assert_eq!(texels, [128, 0, 255, 255]);
     }
 }

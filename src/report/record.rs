@@ -179,7 +179,11 @@ impl Record {
 
     /// One row a pass, and one for the whole frame on each clock; times in ms. Fields that have no value are empty.
     pub fn csv(&self) -> String {
-        let mut out = String::from("stage,median_ms,p5_ms,p95_ms,min_ms,mad_ms,n,dropped,bytes_read,bytes_written\n");
+        let mut out = String::from(
+            "stage,median_ms,p5_ms,p95_ms,min_ms,mad_ms,n,dropped,bytes_read,bytes_written,timing,validation\n",
+        );
+        let watched = if self.subject.validation { "on" } else { "off" };
+        let mode = format!("{},{watched}", super::table::name_of(self.subject.timing));
         let mut row = |name: &str, times: Option<Summary>, bytes: Option<(u64, u64)>| {
             let quoted = if name.contains([',', '"', '\n']) {
                 format!("\"{}\"", name.replace('"', "\"\""))
@@ -191,7 +195,7 @@ impl Record {
             });
             let bytes = bytes.map_or(",".to_owned(), |(r, w)| format!("{r},{w}"));
             // Writing to a string does not fail.
-            let _ = writeln!(out, "{quoted},{times},{bytes}");
+            let _ = writeln!(out, "{quoted},{times},{bytes},{mode}");
         };
         for stage in &self.stages {
             row(&stage.name, stage.gpu_ms, Some((stage.bytes_read, stage.bytes_written)));
@@ -296,7 +300,7 @@ pub(super) mod tests {
         let width = |line: &str| line.replace("\"light, warm\"", "light").split(',').count();
         let mut lines = csv.lines();
         let header = lines.next().map(width);
-        assert_eq!(header, Some(10));
+        assert_eq!(header, Some(12));
         assert!(lines.clone().count() == 4 && lines.all(|l| Some(width(l)) == header), "{csv}");
     }
 

@@ -50,7 +50,7 @@ pub fn of_frame(plan: &Plan) -> Traffic {
 pub fn human(bytes: u64) -> String {
     match bytes {
         0..=9_999 => format!("{bytes} B"),
-        10_000..=9_999_999 => format!("{:.1} KiB", bytes as f64 / 1024.),
+        10_000..=1_048_575 => format!("{:.1} KiB", bytes as f64 / 1024.),
         _ => format!("{:.1} MiB", bytes as f64 / 1_048_576.),
     }
 }
