@@ -3,6 +3,9 @@
 use super::stats::quantile;
 use crate::settings::View;
 
+/// From a view's numbers to colours of 0..1.
+type Map = Box<dyn Fn([f32; 3]) -> [f32; 3]>;
+
 /// RGBA8 texels of a view, and what its colours mean. Uncovered pixels are transparent black.
 ///
 /// Directions -1..1 become 0..1. Curvature, which has no natural range, becomes 0.5 + H / (2 s), s being its 98th percentile in
@@ -15,7 +18,7 @@ pub fn encode(view: View, pixels: &[[f32; 4]]) -> (Vec<u8>, String) {
         sizes.sort_by(f64::total_cmp);
         quantile(&sizes, 0.98).filter(|s| *s > 0.).unwrap_or(1.) as f32
     };
-    let (map, meaning): (Box<dyn Fn([f32; 3]) -> [f32; 3]>, String) = match view {
+    let (map, meaning): (Map, String) = match view {
         View::Normal | View::ShadingNormal | View::SoftNormal => {
             (Box::new(|c| c.map(|x| 0.5 * x + 0.5)), "-1..1 as 0..1".to_owned())
         }
