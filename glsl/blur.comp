@@ -1,5 +1,5 @@
-// blur: viewz, and normal + curvature + visibility or a blurred level -> a wider level.
-// variants: first FIRST=1 VIS=0; first_vis FIRST=1 VIS=1; next FIRST=0 VIS=0; next_vis FIRST=0 VIS=1
+// blur: viewz, and normal + curvature + lit or a blurred level -> a wider level.
+// variants: first FIRST=1 LIT=0; first_lit FIRST=1 LIT=1; next FIRST=0 LIT=0; next_lit FIRST=0 LIT=1
 //
 // One pass of the cross-bilateral diffusion. It widens the Gaussian by `variance` (mm^2 on the surface) with the 3 x 3
 // Gauss-Hermite rule: nodes 0, +-sqrt(3 variance), weights 2/3, 1/6, exact to the fifth moment, so that passes add up to
@@ -31,16 +31,16 @@ layout(set = 0, binding = 4, rg32ui) uniform readonly uimage2D curvature;
 layout(set = 0, binding = 5, rg32ui) uniform readonly uimage2D source;
 #endif
 layout(set = 0, binding = 6, rg32ui) uniform writeonly uimage2D target;
-#if VIS
-layout(set = 0, binding = 7, r32ui) uniform readonly uimage2D source_visibility;
-layout(set = 0, binding = 8, r32ui) uniform writeonly uimage2D target_visibility;
+#if LIT
+layout(set = 0, binding = 7, r32ui) uniform readonly uimage2D source_lit;
+layout(set = 0, binding = 8, r32ui) uniform writeonly uimage2D target_lit;
 #endif
 
 struct Sample {
     vec3 n;
     float h;
     float confidence;
-    vec2 seen;
+    vec2 lit;
 };
 
 Sample fetch(ivec2 texel) {
@@ -60,8 +60,8 @@ Sample fetch(ivec2 texel) {
     s.h = CURVATURE ? level_curvature(code) : 0.;
     s.confidence = 1.;
 #endif
-#if VIS
-    s.seen = unpackUnorm2x16(imageLoad(source_visibility, texel).x);
+#if LIT
+    s.lit = unpackUnorm2x16(imageLoad(source_lit, texel).x);
 #endif
     return s;
 }
@@ -99,8 +99,8 @@ void main() {
     vec3 n = centre.n * (4. / 9.);
     float weight = 4. / 9.;
     float h = centre.h * centre.confidence * weight, h_weight = centre.confidence * weight;
-#if VIS
-    vec2 seen = centre.seen * weight;
+#if LIT
+    vec2 lit = centre.lit * weight;
 #endif
     for (int i = 0; i < 9; ++i) {
         if (i == 4) continue;
@@ -124,14 +124,14 @@ void main() {
         weight += w;
         h += s.h * s.confidence * w;
         h_weight += s.confidence * w;
-#if VIS
-        seen += s.seen * w;
+#if LIT
+        lit += s.lit * w;
 #endif
     }
     n /= weight;
     h = h_weight > 0. ? h / h_weight : 0.;
     imageStore(target, texel, uvec4(level_encode(n, clamp(h, -6e4, 6e4)), 0u, 0u));
-#if VIS
-    imageStore(target_visibility, texel, uvec4(packUnorm2x16(seen / weight)));
+#if LIT
+    imageStore(target_lit, texel, uvec4(packUnorm2x16(lit / weight)));
 #endif
 }

@@ -53,6 +53,12 @@ const float CREASE_COS = .5;
 const float DETERMINANT_FLOOR = 1e-6;
 // Trust grows from 0 to 1 between these cosines of the given and the measured normal.
 const float AGREE_FROM = .5, AGREE_FULL = .9;
+// fit adds this share of its matrix' trace to the diagonal: a line of neighbours yields its curvature, none across.
+const float RIDGE = 1e-6;
+// Sum of weights below which fit found no neighbour; one good neighbour is 1.
+const float NO_WEIGHT = 1e-12;
+// Neighbours, of 8, for full confidence: the half left over is what the weights take at grazing angles.
+const float ENOUGH_VOTES = 7.5;
 // vergne divides by no smaller n.z: finite, and still far off at a contour.
 const float VERGNE_EPSILON = 1e-6;
 
@@ -83,7 +89,7 @@ vec3 whole_normal(uint code) {
     vec3 n = vec3(p, 32767. - abs(p.x) - abs(p.y));
     float fold = max(-n.z, 0.);
     n.xy -= vec2(n.x >= 0. ? fold : -fold, n.y >= 0. ? fold : -fold);
-    return normalize(n);
+    return n * inversesqrt(dot(n, n)); // never 0; normalize() guards against that, dearly on some drivers
 }
 
 Step step_to(Centre c, ivec2 by) {
@@ -143,11 +149,12 @@ Local measure(Centre c) {
 float axis(Centre c, ivec2 by, out vec3 p, out vec3 n) {
     Step ahead = step_to(c, by), behind = step_to(c, -by);
     float a2 = dot(ahead.p, ahead.p), b2 = dot(behind.p, behind.p);
-    float a = ahead.usable && (!behind.usable || a2 <= SIDE_RATIO_SQUARED * b2) ? 1. : 0.;
-    float b = behind.usable && (!ahead.usable || b2 <= SIDE_RATIO_SQUARED * a2) ? 1. : 0.;
-    p = a * ahead.p - b * behind.p;
-    n = a * (ahead.normal - c.n) + b * (c.n - behind.normal);
-    return a + b;
+    bool a = ahead.usable && (!behind.usable || a2 <= SIDE_RATIO_SQUARED * b2);
+    bool b = behind.usable && (!ahead.usable || b2 <= SIDE_RATIO_SQUARED * a2);
+    // The centre itself stands in for a side left out.
+    p = (a ? ahead.p : vec3(0.)) - (b ? behind.p : vec3(0.));
+    n = (a ? ahead.normal : c.n) - (b ? behind.normal : c.n);
+    return float(a) + float(b);
 }
 
 Local measure(Centre c) {
@@ -207,13 +214,15 @@ Local measure(Centre c) {
     add(s, c, t, b, ivec2(1, 1));
 
     float spread = s.a.x + s.a.z;
-    if (spread <= 0.) return Local(0., 0., 0.);
-    s.a.xz += 1e-6 * spread; // a line of neighbours: curvature along it, none across
+    if (spread < NO_WEIGHT) return Local(0., 0., 0.);
+    s.a /= spread; // products of weights as small as these may be would underflow
+    s.b /= spread;
+    s.a.xz += RIDGE;
     float over = 1. / (s.a.x * s.a.z - s.a.y * s.a.y);
     vec4 shape = vec4(s.b.x * s.a.z - s.b.y * s.a.y, s.b.y * s.a.x - s.b.x * s.a.y,
                       s.b.z * s.a.z - s.b.w * s.a.y, s.b.w * s.a.x - s.b.z * s.a.y) * over;
     float shear = .5 * (shape.y + shape.z);
-    return Local(.5 * (shape.x + shape.w), shape.x * shape.w - shear * shear, min(s.votes / 7.5, 1.));
+    return Local(.5 * (shape.x + shape.w), shape.x * shape.w - shear * shear, min(s.votes / ENOUGH_VOTES, 1.));
 }
 #endif
 

@@ -5,7 +5,8 @@
 // pdss     exitance_c = D(n_c.l, |H_c|) E, D pre-integrated over a sphere or a ring (Penner & Borshukov 2011), n_c and H_c a
 //          channel's own mix of the blurred levels (Chen, Lambert & Penner 2014)
 // moments  exitance = sum over the profile's Gaussians w E[max(0, n.l)], from mean and spread of n (common/scattering.glsl)
-// Visibility is blurred with the levels. What no level carries (narrower than a pixel) is lit by the sharp normal.
+// What a light with a slot lights (cosine times visibility) is blurred with the levels: moments takes it as it is, pdss takes
+// from it how much of the unshadowed light is left. What no level carries (narrower than a pixel) is lit by the sharp normal.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "common/frame.glsl"
@@ -24,7 +25,7 @@
 
 layout(constant_id = 0) const int OUTPUT = OUTPUT_FINAL;
 layout(constant_id = 1) const bool SHADOWS = true;
-layout(constant_id = 2) const bool SLOTS = true;         // the visibility target is there
+layout(constant_id = 2) const bool SLOTS = true;         // the lit target is there
 layout(constant_id = 3) const bool SPECULAR = true;
 layout(constant_id = 4) const bool AO = true;
 layout(constant_id = 5) const bool AMBIENT = true;
@@ -41,7 +42,7 @@ layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
 layout(set = 0, binding = 3, r32ui) uniform readonly uimage2D normal;
 layout(set = 0, binding = 4, rgba8) uniform readonly image2D albedo;
 layout(set = 0, binding = 5, rgba8) uniform readonly image2D material;
-layout(set = 0, binding = 6, r32ui) uniform readonly uimage2D visibility;
+layout(set = 0, binding = 6, r32ui) uniform readonly uimage2D lit;
 layout(set = 0, binding = 7) uniform writeonly image2D hdr;
 #if METHOD > 0
 layout(set = 0, binding = 8, rg32ui) uniform readonly uimage2D soft0;
@@ -50,17 +51,17 @@ layout(set = 0, binding = 10, rg32ui) uniform readonly uimage2D soft2;
 layout(set = 0, binding = 11, rg32ui) uniform readonly uimage2D soft3;
 layout(set = 0, binding = 12, rg32ui) uniform readonly uimage2D soft4;
 layout(set = 0, binding = 13, rg32ui) uniform readonly uimage2D soft5;
-layout(set = 0, binding = 14, r32ui) uniform readonly uimage2D softvis0;
-layout(set = 0, binding = 15, r32ui) uniform readonly uimage2D softvis1;
-layout(set = 0, binding = 16, r32ui) uniform readonly uimage2D softvis2;
-layout(set = 0, binding = 17, r32ui) uniform readonly uimage2D softvis3;
-layout(set = 0, binding = 18, r32ui) uniform readonly uimage2D softvis4;
-layout(set = 0, binding = 19, r32ui) uniform readonly uimage2D softvis5;
+layout(set = 0, binding = 14, r32ui) uniform readonly uimage2D softlit0;
+layout(set = 0, binding = 15, r32ui) uniform readonly uimage2D softlit1;
+layout(set = 0, binding = 16, r32ui) uniform readonly uimage2D softlit2;
+layout(set = 0, binding = 17, r32ui) uniform readonly uimage2D softlit3;
+layout(set = 0, binding = 18, r32ui) uniform readonly uimage2D softlit4;
+layout(set = 0, binding = 19, r32ui) uniform readonly uimage2D softlit5;
 
 struct Level {
     vec3 n;     // un-normalised
     float h;    // H times the profile's length
-    vec2 seen;
+    vec2 lit;   // blurred cosine times visibility
 };
 Level level[MAX_LEVELS];
 
@@ -99,9 +100,9 @@ Footprint footprint(ivec2 pixel, vec3 p0, vec3 n, int stride) {
             uvec2 code = imageLoad(soft##i, pixel).xy; \
             x.n = level_normal(code); \
             x.h = level_curvature(code); \
-            x.seen = SLOTS ? unpackUnorm2x16(imageLoad(softvis##i, pixel).x) : vec2(1.); \
+            x.lit = SLOTS ? unpackUnorm2x16(imageLoad(softlit##i, pixel).x) : vec2(0.); \
         } else { \
-            x.n = vec3(0.); x.h = 0.; x.seen = SLOTS ? vec2(0.) : vec2(1.); \
+            x.n = vec3(0.); x.h = 0.; x.lit = vec2(0.); \
             float sum = 0.; \
             for (int k = 0; k < 4; ++k) { \
                 ivec2 texel = STRIDE == 2 ? half_.texel[k] : quarter.texel[k]; \
@@ -110,10 +111,10 @@ Footprint footprint(ivec2 pixel, vec3 p0, vec3 n, int stride) {
                 uvec2 code = imageLoad(soft##i, texel).xy; \
                 x.n += w * level_normal(code); \
                 x.h += w * level_curvature(code); \
-                if (SLOTS) x.seen += w * unpackUnorm2x16(imageLoad(softvis##i, texel).x); \
+                if (SLOTS) x.lit += w * unpackUnorm2x16(imageLoad(softlit##i, texel).x); \
                 sum += w; \
             } \
-            if (sum == 0.) { x.n = n; x.seen = seen; } \
+            if (sum == 0.) { x.n = n; x.lit = sharp; } \
         } \
         level[i] = x; \
     }
@@ -137,7 +138,7 @@ void main() {
     vec3 p = view_position(pixel, z);
     vec3 v = view_direction(p);
     vec3 n = octahedral_decode(imageLoad(normal, pixel).x);
-    vec2 seen = SLOTS ? unpackUnorm2x16(imageLoad(visibility, pixel).x) : vec2(1.);
+    vec2 sharp = SLOTS ? unpackUnorm2x16(imageLoad(lit, pixel).x) : vec2(0.);
 
     float ao = 1.;
 #if METHOD > 0
@@ -161,11 +162,10 @@ void main() {
     }
 #endif
 #if METHOD == 1
-    // Each channel's own normal, curvature and visibility.
+    // Each channel's own normal and curvature, and what reaches it of the lights with a slot.
     vec3 nr = n * frame.share[0].r, ng = n * frame.share[0].g, nb = n * frame.share[0].b;
     vec3 h = vec3(0.);
-    vec3 seen0 = frame.share[0].rgb * seen.x, seen1 = frame.share[0].rgb * seen.y;
-    vec3 h_share = vec3(1e-8);
+    vec3 lit0 = frame.share[0].rgb * sharp.x, lit1 = frame.share[0].rgb * sharp.y;
     for (int i = 0; i < LEVELS; ++i) {
         vec3 share = frame.share[i + 1].rgb;
         // The unblurred level has no curvature worth using: the first blurred one stands in.
@@ -174,8 +174,8 @@ void main() {
         ng += level[i].n * share.g;
         nb += level[i].n * share.b;
         h += level[i].h * hs;
-        seen0 += level[i].seen.x * share;
-        seen1 += level[i].seen.y * share;
+        lit0 += level[i].lit.x * share;
+        lit1 += level[i].lit.y * share;
     }
     nr = normalize(nr);
     ng = normalize(ng);
@@ -197,30 +197,38 @@ void main() {
         vec3 irradiance;
         vec3 l = light_arrives(light, p, irradiance);
         float c = dot(n, l);
+        bool slotted = SLOTS && light.slot >= 0;
+        float own = light.slot == 0 ? sharp.x : sharp.y;
         float shade = 1.;
-        if (SHADOWS && light.layer >= 0) {
-            if (SLOTS && light.slot >= 0) shade = light.slot == 0 ? seen.x : seen.y;
-            else shade = shadow_visibility(light, p, n, l, mat3(frame.world_from_view));
-        }
-        vec3 lit = vec3(max(c, 0.)) * shade;
+        if (slotted) shade = c > 1e-3 ? min(own / c, 1.) : 0.;
+        else if (SHADOWS && light.layer >= 0) shade = shadow_visibility(light, p, n, l, mat3(frame.world_from_view));
+        vec3 lit_here = vec3(slotted ? own : max(c, 0.) * shade);
 #if METHOD == 1
         if (scatters) {
             vec3 cosine = vec3(dot(nr, l), dot(ng, l), dot(nb, l));
-            lit.r = textureLod(lut, lut_coordinate(cosine.r, h.r, lut_size), 0.).r;
-            lit.g = textureLod(lut, lut_coordinate(cosine.g, h.g, lut_size), 0.).g;
-            lit.b = textureLod(lut, lut_coordinate(cosine.b, h.b, lut_size), 0.).b;
-            lit *= light.slot < 0 ? vec3(shade) : light.slot == 0 ? seen0 : seen1;
+            lit_here.r = textureLod(lut, lut_coordinate(cosine.r, h.r, lut_size), 0.).r;
+            lit_here.g = textureLod(lut, lut_coordinate(cosine.g, h.g, lut_size), 0.).g;
+            lit_here.b = textureLod(lut, lut_coordinate(cosine.b, h.b, lut_size), 0.).b;
+            if (slotted) {
+                // The share that shadows leave: blurred shadowed over blurred unshadowed light of the same levels. Where
+                // both vanish nothing is cast, the surface merely turns away.
+                vec3 free = frame.share[0].rgb * max(c, 0.);
+                for (int k = 0; k < LEVELS; ++k) free += frame.share[k + 1].rgb * moment(level[k].n, l);
+                lit_here *= min(((light.slot == 0 ? lit0 : lit1) + .01) / (free + .01), 1.);
+            } else {
+                lit_here *= shade;
+            }
         }
 #elif METHOD == 2
         if (scatters) {
-            lit *= frame.sharp.rgb;
+            lit_here *= frame.sharp.rgb;
             for (int k = 0; k < LEVELS; ++k) {
-                float s = light.slot < 0 ? shade : light.slot == 0 ? level[k].seen.x : level[k].seen.y;
-                lit += frame.level[k].rgb * (moment(level[k].n, l) * s);
+                float m = slotted ? (light.slot == 0 ? level[k].lit.x : level[k].lit.y) : moment(level[k].n, l) * shade;
+                lit_here += frame.level[k].rgb * m;
             }
         }
 #endif
-        exitance += lit * irradiance;
+        exitance += lit_here * irradiance;
         if (OUTPUT == OUTPUT_IRRADIANCE) arriving += max(c, 0.) * shade * irradiance;
         if (SPECULAR && OUTPUT == OUTPUT_FINAL) reflected += specular_ggx(n, v, l, m.r, f0) * irradiance * shade;
     }

@@ -1,5 +1,5 @@
 // view: any target -> exr, decoded to its unit. For people and tests; never part of a frame that is timed.
-// variants: albedo VIEW=0; normal VIEW=1; position VIEW=2; depth VIEW=3; curvature VIEW=4; soft_normal VIEW=5; soft_curvature VIEW=6; visibility VIEW=7
+// variants: albedo VIEW=0; normal VIEW=1; position VIEW=2; depth VIEW=3; curvature VIEW=4; soft_normal VIEW=5; soft_curvature VIEW=6; lit VIEW=7
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "common/frame.glsl"

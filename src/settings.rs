@@ -130,9 +130,9 @@ pub enum View {
     SoftCurvature,
     /// Ambient visibility from curvature, 0..1.
     Ao,
-    /// Visibility of up to three lights, before it is scattered.
-    Visibility,
-    /// Irradiance over pi, unscattered, with shadows.
+    /// Clamped cosine times visibility of the first two lights, before it is scattered.
+    Lit,
+    /// Irradiance, unscattered, with shadows.
     Irradiance,
     /// Diffuse exitance with unit-white albedo, no specular, no ambient: what truth also writes.
     Scatter,

@@ -21,8 +21,12 @@ const PARTS: [&str; 9] = [
     "SPIRV-Tools",
 ];
 
-/// A function of glslang: an archive that defines it needs no help.
+/// A function of glslang, `glslang::InitializeProcess()`: an archive that defines it needs no help.
 const INSIDE: &str = "_ZN7glslang17InitializeProcessEv";
+
+/// `stub_library_function()`: all there is in the archives that newer releases of glslang keep
+/// for their names' sake, and in every one of them the same, so two cannot be linked whole.
+const STUB: &str = "_Z21stub_library_functionv";
 
 fn main() {
     println!("cargo::rerun-if-env-changed=SHADERC_LIB_DIR");
@@ -44,7 +48,8 @@ fn main() {
 
     println!("cargo::rustc-link-search=native={}", directory.display());
     for part in PARTS {
-        if directory.join(format!("lib{part}.a")).is_file() {
+        let archive = fs::read(directory.join(format!("lib{part}.a")));
+        if archive.is_ok_and(|archive| !defines(&archive, STUB)) {
             // Whole, because rustc names these before shaderc's archive, which needs them,
             // and GNU ld takes from an archive only what is wanted when it comes by. What
             // stays unused is dropped again by --gc-sections.

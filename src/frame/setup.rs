@@ -94,13 +94,13 @@ impl Setup {
         let soft = matches!(settings.view, View::SoftNormal | View::SoftCurvature);
         let lit_view = matches!(settings.view, View::Final | View::Scatter | View::Irradiance | View::Ao);
         let mut shadows = Shadows::new(inputs);
-        if !scatters && settings.view != View::Visibility {
+        if !scatters && settings.view != View::Lit {
             // Nobody blurs visibility: lighting looks it up itself.
             shadows.without_slots();
         }
         let missing = if soft && !blurred {
             Some("a blurred level; take --method pdss or moments, a scattering profile, and come closer")
-        } else if settings.view == View::Visibility && shadows.slots == 0 {
+        } else if settings.view == View::Lit && shadows.slots == 0 {
             Some("a light that casts a shadow")
         } else if settings.view == View::Ao && !ao {
             Some("a blurred level of curvature; take --method pdss or moments and a scattering profile")

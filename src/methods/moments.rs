@@ -10,7 +10,7 @@ pub fn frame(p: &mut Plan, s: &Setup) {
     shadow::add(p, s); //     meshes                                -> shadow
     gbuffer::add(p, s); //    meshes                                -> viewz normal albedo material bumped
     tiles::add(p, s); //      viewz                                 -> tile lists
-    visibility::add(p, s); // viewz normal shadow                   -> visibility
+    visibility::add(p, s); // viewz normal shadow                   -> lit
     curvature::add(p, s); //  viewz normal                          -> curvature   (for ambient occlusion)
-    blur::add(p, s); //       viewz normal curvature visibility     -> soft0.. softvis0..
-} //                          light: G-buffer soft softvis          -> hdr; tonemap: hdr -> ldr
+    blur::add(p, s); //       viewz normal curvature lit            -> soft0.. softlit0..
+} //                          light: G-buffer soft softlit          -> hdr; tonemap: hdr -> ldr

@@ -32,6 +32,7 @@ pub(super) struct LocalPrimitive {
     /// Vertices after the last whole triangle.
     pub remainder: usize,
     pub needs_tangents: bool,
+    pub needs_uvs: bool,
 }
 
 /// The same in the world: mm, f64, since the origin is not known yet.
@@ -60,6 +61,7 @@ pub(super) struct Tally {
     pub long_normals: usize,
     pub made_tangents: usize,
     pub bad_tangents: usize,
+    pub without_uvs: usize,
 }
 
 impl Tally {
@@ -74,6 +76,7 @@ impl Tally {
         self.long_normals += other.long_normals;
         self.made_tangents += other.made_tangents;
         self.bad_tangents += other.bad_tangents;
+        self.without_uvs += other.without_uvs;
     }
 
     /// One line for each kind of repair that was made.
@@ -88,6 +91,7 @@ impl Tally {
             (self.bad_normals, "normals zero or not finite; smooth ones were made"),
             (self.long_normals, "normals not of unit length, scaled"),
             (self.made_tangents, "vertices without tangents; MikkTSpace ones were made"),
+            (self.without_uvs, "textured vertices without UVs; one texel colours them"),
             (self.bad_tangents, "tangents undefined; any across the normal was taken"),
         ];
         let said = kinds.iter().filter(|(count, _)| *count > 0);
@@ -130,6 +134,9 @@ fn place(local: &LocalPrimitive, world: &DAffine3, tally: &mut Tally) -> BakedPr
     }
     tally.duplicate += drop_duplicates(&mut triangles);
     tally.remainder += local.remainder;
+    if local.needs_uvs && local.uvs.is_none() {
+        tally.without_uvs += positions.len();
+    }
     BakedPrimitive {
         material: local.material,
         positions,

@@ -1,7 +1,7 @@
 //! Scenes: glTF files and built-in shapes in; triangles, materials, textures, lights and cameras in millimetres out.
 //!
 //! A scene is *flat*: every node's mesh is baked into world space, right-handed, +Y up, in mm relative to
-//! [`Scene::origin`], which is kept in f64 so that f32 positions stay exact to a few nanometres a metre wherever in the
+//! [`Scene::origin`], which is kept in f64 so that f32 positions stay exact to 60 nanometres a metre wherever in the
 //! world the object lies. The triangles of one material are one contiguous [`Draw`]. What a file leaves undefined
 //! (missing or zero normals, degenerate or duplicate triangles, NaN) is defined here, counted, and said once in
 //! [`Scene::warnings`]; what contradicts itself is refused with one line naming the place.

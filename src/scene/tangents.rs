@@ -78,7 +78,7 @@ impl Geometry for Corners<'_> {
 
     fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
         let [u, v] = self.baked.uvs[self.vertex(face, corner)];
-        // MikkTSpace's v points up, glTF's down.
+        // MikkTSpace's v points up, glTF's down: green in a normal map is up (+Y), against v.
         [u, 1.0 - v]
     }
 

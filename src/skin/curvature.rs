@@ -5,7 +5,7 @@
 //! with ray_k = (slope of the view ray, -1), P_k - P_0 = z_0 (ray_k - ray_0) + (z_k - z_0) ray_k, which divided by q is
 //! a constant pixel step plus e_k ray_k, e_k = (z_k - z_0) / q. Only the two stored distances are subtracted, and that
 //! subtraction is exact in floating point between neighbours; products z ray are never differenced.
-pub mod real;
+mod real;
 
 use real::{Real, V3, add, cross, dot, scale, sub};
 
@@ -23,8 +23,10 @@ pub enum Estimator {
 }
 
 impl Estimator {
+    /// Every estimator, in the shader's order.
     pub const ALL: [Self; 4] = [Self::Vergne, Self::Trace, Self::Metric, Self::Fit];
 
+    /// As the command line spells it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Vergne => "vergne",
@@ -40,11 +42,14 @@ impl Estimator {
 pub struct Camera {
     /// View x, y per pixel at unit distance (perspective) or in mm (orthographic). Signed: y usually runs down.
     pub ray_scale: [f64; 2],
+    /// In the same unit.
     pub ray_offset: [f64; 2],
+    /// Or orthographic.
     pub perspective: bool,
 }
 
 impl Camera {
+    /// Pixels per mm at unit distance.
     pub fn pixels_per_mm(&self) -> f64 {
         (1.0 / self.ray_scale[1]).abs()
     }
@@ -58,12 +63,15 @@ impl Camera {
 /// What the estimators read, row by row from the top.
 #[derive(Debug, Clone)]
 pub struct GBuffer {
+    /// Pixels.
     pub width: usize,
+    /// Pixels.
     pub height: usize,
     /// Distance along the view axis in mm; negated where the surface scatters; 0 is background.
     pub z: Vec<f64>,
     /// Unit, view space, unbumped, facing the viewer.
     pub normal: Vec<[f64; 3]>,
+    /// What they were seen with.
     pub camera: Camera,
 }
 
@@ -89,6 +97,12 @@ pub const CREASE_COS: f64 = 0.5;
 pub const DETERMINANT_FLOOR: f64 = 1e-6;
 /// Cosine between shading and measured normal from which `metric` begins to trust, and trusts fully.
 pub const AGREE_COS: [f64; 2] = [0.5, 0.9];
+/// `fit` adds this share of its matrix' trace to the diagonal: a line of neighbours still yields its curvature.
+pub const RIDGE: f64 = 1e-6;
+/// Sum of weights below which `fit` found no neighbour; one good neighbour is 1.
+pub const NO_WEIGHT: f64 = 1e-12;
+/// Neighbours, of 8, that give `fit` full confidence: the half left over is what its own weights take at grazing angles.
+pub const ENOUGH_VOTES: f64 = 7.5;
 /// `vergne` divides by n.z no smaller than this: finite, yet a hundred thousand times too large at a silhouette.
 pub const VERGNE_EPSILON: f64 = 1e-6;
 
@@ -148,9 +162,6 @@ fn bounded<T: Real>(c: Local<T>) -> Local<T> {
 struct Step<T> {
     /// Position difference in footprints.
     p: V3<T>,
-    /// Difference of the normals.
-    n: V3<T>,
-    /// The neighbour's normal.
     normal: V3<T>,
     /// Not background, inside the image.
     covered: bool,
@@ -205,7 +216,11 @@ impl<'a, T: Real> Window<'a, T> {
         let (x, y) = (self.x + dx, self.y + dy);
         let inside = x >= 0 && y >= 0 && x < self.g.width as i64 && y < self.g.height as i64;
         // Outside: the centre stands in, finite, and is marked as not covered.
-        let at = if inside { y as usize * self.g.width + x as usize } else { self.y as usize * self.g.width + self.x as usize };
+        let at = if inside {
+            y as usize * self.g.width + x as usize
+        } else {
+            self.y as usize * self.g.width + self.x as usize
+        };
         let (z, normal) = (self.g.z[at], self.g.normal[at].map(T::of));
         let e = (T::of(z).abs() - self.z) * self.per_mm;
         let (i, j) = (T::of(dx as f64), T::of(dy as f64));
@@ -216,7 +231,6 @@ impl<'a, T: Real> Window<'a, T> {
                 j * self.unit[1] + e * (self.slope[1] + j * self.slope_step[1]),
                 -e,
             ],
-            n: sub(normal, self.n),
             normal,
             covered,
             usable: covered && (z < 0.0) == self.scatters && dot(normal, self.n) > T::of(CREASE_COS),
@@ -274,9 +288,13 @@ fn axis<T: Real>(w: &Window<T>, dx: i64, dy: i64) -> (V3<T>, V3<T>, T) {
     let (a2, b2) = (dot(ahead.p, ahead.p), dot(behind.p, behind.p));
     let ratio = T::of(SIDE_RATIO_SQUARED);
     // Position and normal always take the same sides: n is affine in P on a sphere, so any pair is exact there.
-    let a = mask::<T>(ahead.usable && (!behind.usable || a2 <= ratio * b2));
-    let b = mask::<T>(behind.usable && (!ahead.usable || b2 <= ratio * a2));
-    (sub(scale(ahead.p, a), scale(behind.p, b)), sub(scale(ahead.n, a), scale(behind.n, b)), a + b)
+    let a = ahead.usable && (!behind.usable || a2 <= ratio * b2);
+    let b = behind.usable && (!ahead.usable || b2 <= ratio * a2);
+    // The centre itself stands in for a side left out.
+    let (here, centre) = ([T::of(0.0); 3], w.n);
+    let p = sub(if a { ahead.p } else { here }, if b { behind.p } else { here });
+    let n = sub(if a { ahead.normal } else { centre }, if b { behind.normal } else { centre });
+    (p, n, mask::<T>(a) + mask::<T>(b))
 }
 
 /// H = (G L + E N - 2 F M) / (2 (E G - F^2)), K = (L N - M^2) / (E G - F^2).
@@ -323,23 +341,26 @@ fn fit<T: Real>(w: &Window<T>) -> Local<T> {
         let (lift, far) = (height * height / d2, d2 / T::of(576.0));
         let vote = mask::<T>(s.usable) * (-(T::of(64.0) * lift * lift + far * far)).exp();
         let weight = vote / d2;
-        let (ax, ay, mx, my) = (dot(s.p, t), dot(s.p, b), dot(s.n, t), dot(s.n, b));
+        let change = sub(s.normal, w.n);
+        let (ax, ay, mx, my) = (dot(s.p, t), dot(s.p, b), dot(change, t), dot(change, b));
         votes = votes + vote;
         (a00, a01, a11) = (a00 + weight * ax * ax, a01 + weight * ax * ay, a11 + weight * ay * ay);
         (b00, b01) = (b00 + weight * mx * ax, b01 + weight * mx * ay);
         (b10, b11) = (b10 + weight * my * ax, b11 + weight * my * ay);
     }
-    let trace = a00 + a11;
-    if trace <= zero {
+    let spread = a00 + a11;
+    if spread < T::of(NO_WEIGHT) {
         return Local { h: zero, k: zero, confidence: zero };
     }
-    let ridge = T::of(1e-6) * trace;
-    let (a00, a11) = (a00 + ridge, a11 + ridge);
+    // Divided by the trace: products of weights as small as these may be would underflow.
+    let unit = one / spread;
+    let (a00, a01, a11) = (a00 * unit + T::of(RIDGE), a01 * unit, a11 * unit + T::of(RIDGE));
+    let (b00, b01, b10, b11) = (b00 * unit, b01 * unit, b10 * unit, b11 * unit);
     let inverse = one / (a00 * a11 - a01 * a01);
     let (s00, s01) = ((b00 * a11 - b01 * a01) * inverse, (b01 * a00 - b00 * a01) * inverse);
     let (s10, s11) = ((b10 * a11 - b11 * a01) * inverse, (b11 * a00 - b10 * a01) * inverse);
     let shear = half * (s01 + s10);
-    Local { h: half * (s00 + s11), k: s00 * s11 - shear * shear, confidence: votes / T::of(7.5) }
+    Local { h: half * (s00 + s11), k: s00 * s11 - shear * shear, confidence: votes / T::of(ENOUGH_VOTES) }
 }
 
 /// An orthonormal tangent pair without a branch that divides by zero (Duff et al. 2017).

@@ -1,4 +1,4 @@
-//! blur: viewz, and normal + curvature + visibility or a level -> a wider level. One pass a step of [`Levels`].
+//! blur: viewz, and normal + curvature + lit or a level -> a wider level. One pass a step of [`Levels`].
 //!
 //! [`Levels`]: crate::frame::levels::Levels
 
@@ -18,7 +18,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     for (index, step) in s.levels.steps.iter().enumerate() {
         // A pass on the way to a level writes a target that only the next pass reads.
         let stem = step.level.map_or(format!("way{index}"), |l| l.to_string());
-        let (target, visibility) = (format!("soft{stem}"), format!("softvis{stem}"));
+        let (target, visibility) = (format!("soft{stem}"), format!("softlit{stem}"));
         let size = s.size.map(|x| x.div_ceil(step.stride.1));
         plan.image_as(&target, ash::vk::Format::R32G32_UINT, size, 1);
         if seen {
@@ -26,9 +26,9 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         }
         let shader = match (index, seen) {
             (0, false) => &shaders::BLUR_FIRST,
-            (0, true) => &shaders::BLUR_FIRST_VIS,
+            (0, true) => &shaders::BLUR_FIRST_LIT,
             (_, false) => &shaders::BLUR_NEXT,
-            (_, true) => &shaders::BLUR_NEXT_VIS,
+            (_, true) => &shaders::BLUR_NEXT_LIT,
         };
         let pass = plan
             .compute(&format!("blur{index}"), shader, Domain::Tiles(tiles::scatter(step.stride.1)))
@@ -38,8 +38,8 @@ pub fn add(plan: &mut Plan, s: &Setup) {
             .bind("normal", s.shading_normal())
             .bind("source", format!("soft{source}"))
             .bind("target", target)
-            .bind("source_visibility", if index == 0 { "visibility".to_owned() } else { format!("softvis{source}") })
-            .bind("target_visibility", visibility)
+            .bind("source_lit", if index == 0 { "lit".to_owned() } else { format!("softlit{source}") })
+            .bind("target_lit", visibility)
             .push(&(step.variance as f32));
         if !s.curvature {
             pass.absent("curvature");

@@ -9,7 +9,7 @@ use crate::shaders;
 
 const STRIDES: [&str; MAX_LEVELS] = ["STRIDE0", "STRIDE1", "STRIDE2", "STRIDE3", "STRIDE4", "STRIDE5"];
 const SOFT: [&str; MAX_LEVELS] = ["soft0", "soft1", "soft2", "soft3", "soft4", "soft5"];
-const SOFTVIS: [&str; MAX_LEVELS] = ["softvis0", "softvis1", "softvis2", "softvis3", "softvis4", "softvis5"];
+const SOFTLIT: [&str; MAX_LEVELS] = ["softlit0", "softlit1", "softlit2", "softlit3", "softlit4", "softlit5"];
 
 /// Adds the pass.
 pub fn add(plan: &mut Plan, s: &Setup) {
@@ -47,11 +47,11 @@ pub fn add(plan: &mut Plan, s: &Setup) {
             pass.absent(SOFT[i]);
         }
         if i >= levels || s.shadows.slots == 0 {
-            pass.absent(SOFTVIS[i]);
+            pass.absent(SOFTLIT[i]);
         }
     }
     if s.shadows.slots == 0 {
-        pass.absent("visibility");
+        pass.absent("lit");
     }
     if s.shadows.matrices.is_empty() {
         pass.bind("shadow", "no shadow");

@@ -18,7 +18,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         View::Curvature => (&shaders::VIEW_CURVATURE, "curvature".to_owned()),
         View::SoftNormal => (&shaders::VIEW_SOFT_NORMAL, format!("soft{last}")),
         View::SoftCurvature => (&shaders::VIEW_SOFT_CURVATURE, format!("soft{last}")),
-        View::Visibility => (&shaders::VIEW_VISIBILITY, "visibility".to_owned()),
+        View::Lit => (&shaders::VIEW_LIT, "lit".to_owned()),
         _ => (&shaders::VIEW_DEPTH, String::new()),
     };
     plan.image("exr", s.size);

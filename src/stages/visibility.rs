@@ -1,4 +1,4 @@
-//! visibility: viewz, normal, shadow -> visibility. Apart from `light`, because the blur scatters it.
+//! visibility: viewz, normal, shadow -> lit. Apart from `light`, because the blur scatters it.
 
 use super::tiles;
 use crate::frame::setup::Setup;
@@ -11,6 +11,6 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         plan.leave_out("visibility", "no shadow to scatter", 4 * s.pixels());
         return;
     }
-    plan.image("visibility", s.size);
+    plan.image("lit", s.size);
     plan.compute("visibility", &shaders::VISIBILITY, Domain::Tiles(tiles::SURFACE)).bind("normal", s.shading_normal());
 }

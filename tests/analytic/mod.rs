@@ -196,7 +196,7 @@ impl Shot {
         let g = GBuffer { width, height, z: vec![0.0; n], normal: vec![[0.0, 0.0, 1.0]; n], camera };
         let mut picture = Picture { shape: self.shape, g, h: vec![0.0; n], k: vec![0.0; n], band: vec![false; n] };
         let mut contour = vec![true; n];
-        for at in 0..n {
+        for (at, near) in contour.iter_mut().enumerate() {
             let x = camera.ray_scale[0] * ((at % width) as f64 + 0.5) + camera.ray_offset[0];
             let y = camera.ray_scale[1] * ((at / width) as f64 + 0.5) + camera.ray_offset[1];
             let (o, d) = if self.perspective { ([0.0; 3], [x, y, -1.0]) } else { ([x, y, 0.0], [0.0, 0.0, -1.0]) };
@@ -209,7 +209,7 @@ impl Shot {
             picture.g.normal[at] = self.into_view(s.n.map(|v| v * side));
             (picture.h[at], picture.k[at]) = (side * s.h, s.k);
             // A surface of curvature k falls to this cosine within one pixel of its contour.
-            contour[at] = facing.abs() < (2.0 * camera.footprint(z) * self.shape.sharpest()).sqrt();
+            *near = facing.abs() < (2.0 * camera.footprint(z) * self.shape.sharpest()).sqrt();
         }
         picture.mark_band(&contour, matches!(self.shape, Shape::Plane));
         picture

@@ -124,6 +124,7 @@ impl Wardrobe {
             material,
             uvs: (wears.is_textured() || self.keep_uvs).then_some(self.uvs[material]),
             tangents: wears.normal_texture.is_some(),
+            textured: wears.is_textured(),
         }
     }
 

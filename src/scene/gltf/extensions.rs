@@ -46,7 +46,7 @@ pub(super) fn check_extensions(root: &At) -> Result<Vec<String>, Fault> {
     if !refused.is_empty() {
         return Err(Fault::new(
             "extensionsRequired",
-            format!("{} not supported; save the file without it, uncompressed", refused.join(", ")),
+            format!("{} not supported; save the file again without it", refused.join(", ")),
         ));
     }
     for name in root.texts("extensionsUsed")? {

@@ -19,7 +19,9 @@ pub(super) struct Placement {
 
 impl Placement {
     fn position(&self) -> Vec3 {
-        (self.world.translation * self.mm_per_unit - self.origin).as_vec3()
+        // Infinity in a file would be infinity in every picture.
+        let far = DVec3::splat(f32::MAX.into());
+        (self.world.translation * self.mm_per_unit - self.origin).clamp(-far, far).as_vec3()
     }
 
     /// A unit vector along an axis of the node, whatever its scale; `axis` itself if the scale is zero.
@@ -173,7 +175,10 @@ impl CameraSource {
                 Some(fov_y) => Projection::Perspective { fov_y: fov_y as f32 },
                 None => Projection::Orthographic { height_mm: finite(2.0 * self.half_height * mm) },
             },
-            near_mm: finite(self.near * mm),
+            near_mm: match self.fov_y {
+                Some(_) => finite(self.near * mm).max(f32::MIN_POSITIVE),
+                None => finite(self.near * mm),
+            },
             far_mm: (self.far * mm) as f32,
         }
     }

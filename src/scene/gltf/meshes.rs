@@ -140,6 +140,7 @@ pub(super) struct Wanted {
     pub material: usize,
     pub uvs: Option<Uvs>,
     pub tangents: bool,
+    pub textured: bool,
 }
 
 /// Reads the drawn vertices of a primitive. Those that no triangle names are left out, so that primitives which share
@@ -197,6 +198,7 @@ pub(super) fn read_geometry(
             _ => 0,
         },
         needs_tangents: wanted.tangents,
+        needs_uvs: wanted.textured,
     })
 }
 

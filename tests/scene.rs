@@ -1,0 +1,19 @@
+//! Scenes from files made by others, from files made here, and from formulas. What a checker lets pass, its twin shows
+//! it can also refuse.
+
+#[path = "scene/appearance.rs"]
+mod appearance;
+#[path = "scene/cameras.rs"]
+mod cameras;
+#[path = "scene/check.rs"]
+mod check;
+#[path = "scene/collection.rs"]
+mod collection;
+#[path = "scene/fixture.rs"]
+mod fixture;
+#[path = "scene/geometry.rs"]
+mod geometry;
+#[path = "scene/lies.rs"]
+mod lies;
+#[path = "scene/shapes.rs"]
+mod shapes;
