@@ -35,7 +35,7 @@ pub fn encode(view: View, pixels: &[[f32; 4]]) -> (Vec<u8>, String) {
             (Box::new(move |c| [c[0] / s; 3]), format!("0..{s:.3} mm as 0..1"))
         }
         View::Ao => (Box::new(|c| [c[0]; 3]), "visibility as it is".to_owned()),
-        View::Material | View::Visibility => (Box::new(|c| c), "numbers as they are".to_owned()),
+        View::Material | View::Lit => (Box::new(|c| c), "numbers as they are".to_owned()),
         View::Final | View::Albedo | View::Irradiance | View::Scatter => {
             (Box::new(|c| c.map(srgb)), "sRGB, no tone curve".to_owned())
         }
