@@ -6,6 +6,7 @@ pub mod frame;
 pub mod gpu;
 pub mod methods;
 pub mod plan;
+pub mod report;
 pub mod scene;
 pub mod settings;
 pub mod shaders;

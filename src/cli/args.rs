@@ -1,0 +1,299 @@
+//! What every command that draws is told: the scene, the eye, the lights, the profile, the device.
+
+use super::failure::Failure;
+use super::say;
+use clap::Args;
+use glam::DVec3;
+use pdss::frame::{Inputs, Output};
+use pdss::gpu::timing::TimingMode;
+use pdss::gpu::{Gpu, Options};
+use pdss::scene::{Camera, Light, LoadOptions, Scene};
+use pdss::settings::Settings;
+use pdss::skin::profile::Profile;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// What is drawn where no scene is named.
+const DEFAULT_SCENE: &str = "shape:torus:70,25";
+/// What scatters in a built-in shape where no profile is named.
+const SHAPE_PROFILE: &str = "skin";
+/// Vertical field of view where none is given, degrees.
+const DEFAULT_FOV: f64 = 30.;
+/// Key and fill where neither the command line nor the file has a light: yaw, pitch, irradiance at normal incidence.
+const DEFAULT_LIGHTS: [Aim; 2] = [Aim { yaw: 60., pitch: 25., size: PI }, Aim { yaw: -70., pitch: 10., size: 0.6 }];
+
+/// A direction in degrees and how far or how strong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aim {
+    yaw: f64,
+    pitch: f64,
+    size: f64,
+}
+
+/// The scene and how it is seen.
+#[derive(Debug, Args)]
+pub struct View {
+    /// A .gltf or .glb file, or shape:plane, shape:sphere:R, shape:cylinder:R, shape:torus:R,r, shape:saddle:a,
+    /// shape:cube:a, shape:ellipsoid:a,b,c (mm).
+    #[arg(value_name = "SCENE", default_value = DEFAULT_SCENE)]
+    scene: String,
+    /// Eye at yaw and pitch (degrees) and distance (mm) from the target. Default: the file's first camera, else one that
+    /// sees everything.
+    #[arg(long, value_name = "YAW,PITCH,MM", allow_hyphen_values = true, value_parser = parse_camera)]
+    camera: Option<Aim>,
+    /// What the camera looks at, world mm. Default: the centre of the scene's bounding box.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_target, requires = "camera")]
+    target: Option<DVec3>,
+    /// A camera of the file, from 0.
+    #[arg(long, value_name = "N", conflicts_with_all = ["camera", "target", "fov"])]
+    camera_index: Option<usize>,
+    /// Vertical field of view in degrees. Default: 30.
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = parse_fov)]
+    fov: Option<f64>,
+    /// Directional light that shines from yaw and pitch (degrees), with its irradiance at normal incidence (1 if left out);
+    /// may be repeated. Default: the file's lights, else a key and a fill.
+    #[arg(long = "light", value_name = "YAW,PITCH[,INTENSITY]", allow_hyphen_values = true, value_parser = parse_light)]
+    lights: Vec<Aim>,
+    /// Diffusion profile: a built-in name, a .toml file, or none. Default: skin for shapes, none for files.
+    #[arg(long, value_name = "NAME|FILE")]
+    profile: Option<String>,
+    /// The one material that has the profile. Default: every opaque dielectric.
+    #[arg(long, value_name = "NAME", requires = "profile")]
+    profile_material: Option<String>,
+    /// Millimetres in one unit of the file. Default: 1000.
+    #[arg(long, value_name = "X", allow_hyphen_values = true, value_parser = parse_positive)]
+    mm_per_unit: Option<f64>,
+    #[command(flatten)]
+    settings: Settings,
+    #[command(flatten)]
+    device: Device,
+    /// Say more on stderr.
+    #[arg(long, short)]
+    verbose: bool,
+}
+
+/// The device and how closely it is watched.
+#[derive(Debug, Args)]
+pub struct Device {
+    /// Device by its index in `pdss devices` or part of its name. Default: the fastest kind there is.
+    #[arg(long, value_name = "INDEX|NAME")]
+    device: Option<String>,
+    /// Core and synchronization validation: any message is a failure.
+    #[arg(long)]
+    validate: bool,
+}
+
+/// Everything a frame is made of, loaded.
+pub struct Stage {
+    /// The scene as it was named.
+    pub name: String,
+    /// What is drawn.
+    pub scene: Scene,
+    camera: Camera,
+    /// Lit by what.
+    pub lights: Vec<Light>,
+    /// What scatters.
+    pub profile: Option<Profile>,
+    /// How.
+    pub settings: Settings,
+}
+
+impl Stage {
+    /// The engine's inputs.
+    pub fn inputs(&self, timing: Option<TimingMode>, output: Output) -> Inputs<'_> {
+        Inputs {
+            scene: &self.scene,
+            camera: self.camera.clone(),
+            lights: self.lights.clone(),
+            profile: self.profile.clone(),
+            settings: self.settings.clone(),
+            timing,
+            output,
+        }
+    }
+
+    /// Width and height of the picture in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        [self.settings.size.width, self.settings.size.height]
+    }
+}
+
+impl View {
+    /// Loads the scene and the profile, places the camera and the lights.
+    pub fn load(&self) -> Result<Stage, Failure> {
+        let options = LoadOptions { mm_per_unit: self.mm_per_unit, ..LoadOptions::default() };
+        let shape = self.scene.starts_with("shape:");
+        let profile = match self.profile.as_deref().or(shape.then_some(SHAPE_PROFILE)) {
+            None | Some("none") => None,
+            Some(name) => Some(Profile::resolve(name)?),
+        };
+        let mut scene = Scene::open(&self.scene, &options)?;
+        if profile.is_some() {
+            scene.assign_profile(self.profile_material.as_deref(), 0)?;
+        }
+        let camera = self.camera(&scene)?;
+        let lights = self.lights(&scene);
+        for warning in &scene.warnings {
+            say(&format!("warning: {}: {warning}", self.scene));
+        }
+        if self.verbose {
+            let profile = profile.as_ref().map_or("none", |p| p.name.as_str());
+            say(&format!(
+                "{}: {} triangles, {} materials, profile {profile}, camera {}, {} lights",
+                self.scene,
+                scene.triangle_count(),
+                scene.materials.len(),
+                camera.name,
+                lights.len()
+            ));
+        }
+        Ok(Stage { name: self.scene.clone(), scene, camera, lights, profile, settings: self.settings.clone() })
+    }
+
+    /// Opens the device, and refuses a picture that it cannot hold.
+    pub fn open(&self) -> Result<Arc<Gpu>, Failure> {
+        let gpu = self.device.open()?;
+        let (size, most) = (self.settings.size, gpu.limits().max_image_dimension2_d);
+        if self.verbose {
+            say(&format!("device {}: {} ({})", gpu.info().index, gpu.info().name, gpu.info().driver));
+        }
+        if size.width.max(size.height) > most {
+            let name = &gpu.info().name;
+            return Err(Failure::Input(format!(
+                "--size {}x{}: {name} has images of {most} at most",
+                size.width, size.height
+            )));
+        }
+        Ok(gpu)
+    }
+
+    /// A line for people who asked for more.
+    pub fn tell(&self, line: &str) {
+        if self.verbose {
+            say(line);
+        }
+    }
+
+    /// Whether the validation layers are on.
+    pub fn validates(&self) -> bool {
+        self.device.validate
+    }
+
+    fn camera(&self, scene: &Scene) -> Result<Camera, Failure> {
+        let fov = self.fov.unwrap_or(DEFAULT_FOV);
+        let size = self.settings.size;
+        if let Some(index) = self.camera_index {
+            return scene.cameras.get(index).cloned().ok_or_else(|| {
+                Failure::Input(format!("--camera-index {index}: {} has {} cameras", self.scene, scene.cameras.len()))
+            });
+        }
+        Ok(match (self.camera, scene.cameras.first()) {
+            (Some(Aim { yaw, pitch, size }), _) => Camera::orbit(yaw, pitch, size, self.target, fov, scene),
+            (None, Some(camera)) if self.fov.is_none() => camera.clone(),
+            _ => Camera::default_for(scene, fov, f64::from(size.width) / f64::from(size.height)),
+        })
+    }
+
+    fn lights(&self, scene: &Scene) -> Vec<Light> {
+        let directional = |aims: &[Aim]| -> Vec<Light> {
+            aims.iter().map(|a| Light::directional(a.yaw, a.pitch, a.size as f32)).collect()
+        };
+        if !self.lights.is_empty() {
+            return directional(&self.lights);
+        }
+        if !scene.lights.is_empty() {
+            return scene.lights.clone();
+        }
+        if self.verbose {
+            say("no light given and none in the scene: a key from 60,25,3.14 and a fill from -70,10,0.6");
+        }
+        directional(&DEFAULT_LIGHTS)
+    }
+}
+
+impl Device {
+    /// Opens the device.
+    pub fn open(&self) -> Result<Arc<Gpu>, Failure> {
+        Ok(Gpu::open(&Options { validate: self.validate, device: self.device.clone() })?)
+    }
+}
+
+/// Closes the device. Messages of the validation layers and leaked objects are a check that failed.
+pub fn close(gpu: Arc<Gpu>) -> Result<(), Failure> {
+    let messages = gpu.messages();
+    for message in &messages {
+        say(&format!("validation: {message}"));
+    }
+    gpu.close()?;
+    match messages.len() {
+        0 => Ok(()),
+        1 => Err(Failure::Run("1 validation message".to_owned())),
+        n => Err(Failure::Run(format!("{n} validation messages"))),
+    }
+}
+
+/// Finite numbers with commas between them.
+fn numbers(text: &str) -> Option<Vec<f64>> {
+    text.split(',').map(|t| t.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect()
+}
+
+fn parse_camera(text: &str) -> Result<Aim, String> {
+    match numbers(text).as_deref() {
+        Some([yaw, pitch, size]) if *size > 0. => Ok(Aim { yaw: *yaw, pitch: *pitch, size: *size }),
+        Some([_, _, _]) => Err("the distance must be above 0 mm".to_owned()),
+        _ => Err("that is not yaw,pitch,distance; -35,5,750 would be".to_owned()),
+    }
+}
+
+fn parse_light(text: &str) -> Result<Aim, String> {
+    match numbers(text).as_deref() {
+        Some([yaw, pitch]) => Ok(Aim { yaw: *yaw, pitch: *pitch, size: 1. }),
+        Some([yaw, pitch, size]) if *size >= 0. => Ok(Aim { yaw: *yaw, pitch: *pitch, size: *size }),
+        Some([_, _, _]) => Err("the intensity must not be negative".to_owned()),
+        _ => Err("that is not yaw,pitch or yaw,pitch,intensity; -70,10,0.6 would be".to_owned()),
+    }
+}
+
+fn parse_target(text: &str) -> Result<DVec3, String> {
+    match numbers(text).as_deref() {
+        Some([x, y, z]) => Ok(DVec3::new(*x, *y, *z)),
+        _ => Err("that is not x,y,z in mm; 0,120,-3.5 would be".to_owned()),
+    }
+}
+
+fn parse_fov(text: &str) -> Result<f64, String> {
+    let right = |x: &f64| *x > 0. && *x < 180.;
+    text.parse()
+        .ok()
+        .filter(right)
+        .ok_or_else(|| "the vertical field of view lies between 0 and 180 degrees".to_owned())
+}
+
+fn parse_positive(text: &str) -> Result<f64, String> {
+    let right = |x: &f64| *x > 0. && x.is_finite();
+    text.parse().ok().filter(right).ok_or_else(|| "that is not a number above 0; 1000 would be".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_may_be_negative_and_nonsense_is_refused() {
+        assert_eq!(parse_camera("-35,5,750"), Ok(Aim { yaw: -35., pitch: 5., size: 750. }));
+        assert_eq!(parse_light("-70, 10"), Ok(Aim { yaw: -70., pitch: 10., size: 1. }));
+        assert_eq!(parse_target("-1,2,-3.5"), Ok(DVec3::new(-1., 2., -3.5)));
+        for wrong in ["", "1,2", "1,2,0", "1,2,-3", "1,2,NaN", "1,2,inf", "1,2,3,4", "1;2;3"] {
+            assert!(parse_camera(wrong).is_err(), "{wrong}");
+        }
+        for wrong in ["", "1", "1,2,-1", "1,2,3,4", "--light"] {
+            assert!(parse_light(wrong).is_err(), "{wrong}");
+        }
+        for wrong in ["0", "180", "-5", "NaN", "x"] {
+            assert!(parse_fov(wrong).is_err(), "{wrong}");
+        }
+        for wrong in ["0", "-1", "inf", "NaN"] {
+            assert!(parse_positive(wrong).is_err(), "{wrong}");
+        }
+    }
+}

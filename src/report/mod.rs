@@ -1,0 +1,11 @@
+//! What comes out: pictures, tables, records and traces. No Vulkan call is made here; see [`crate::frame`] for those.
+
+pub mod explain;
+pub mod measure;
+pub mod picture;
+pub mod preview;
+pub mod record;
+pub mod stats;
+pub mod table;
+pub mod trace;
+pub mod traffic;

@@ -1,0 +1,204 @@
+//! The command line from outside: exit codes, which stream says what, and files that appear whole or not at all.
+
+use std::error::Error;
+use std::path::Path;
+use std::process::{Command, Output};
+
+type Outcome = Result<(), Box<dyn Error>>;
+
+fn pdss(args: &[&str]) -> Result<Output, std::io::Error> {
+    Command::new(env!("CARGO_BIN_EXE_pdss")).args(args).output()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Why the output is not that of a refusal with this code: one line of ours on stderr (clap says more), nothing on stdout.
+fn fault(out: &Output, code: i32, words: &str) -> Option<String> {
+    let err = text(&out.stderr);
+    let ours = err.starts_with("pdss: ") && err.lines().count() == 1;
+    let good = out.status.code() == Some(code)
+        && out.stdout.is_empty()
+        && (ours || err.starts_with("error: "))
+        && err.contains(words)
+        && !err.contains("panicked");
+    (!good).then(|| format!("{:?}: {err}", out.status))
+}
+
+/// There is no point in asking for a picture where there is no device; everywhere else a failure is a failure.
+fn no_device() -> bool {
+    let none = pdss(&["devices"]).is_ok_and(|o| o.status.code() == Some(3));
+    if none {
+        eprintln!("skipped: no Vulkan device");
+    }
+    none
+}
+
+#[test]
+fn bad_usage_and_bad_input_exit_with_2_and_say_why() -> Outcome {
+    let dir = tempfile::tempdir()?;
+    let picture = dir.path().join("a.png");
+    let picture = picture.to_str().ok_or("temporary directories have plain names")?;
+    let render = |more: &[&'static str]| [&["render", "-o", picture], more].concat();
+    let cases: Vec<(Vec<&str>, &str)> = vec![
+        (vec![], "Usage"),
+        (vec!["paint"], "paint"),
+        (vec!["render"], "-output"),
+        (vec!["render", "-o", "a.jpg"], ".png or .exr"),
+        (vec!["render", "-o", "no/such/directory/a.png"], "no/such/directory"),
+        (render(&["shape:teapot"]), "teapot"),
+        (render(&["shape:sphere:-1"]), "-1"),
+        (render(&["no-such-file.glb"]), "no-such-file.glb"),
+        (render(&["--profile", "adamantium"]), "skin"),
+        (render(&["--profile", "no-such-file.toml"]), "no-such-file.toml"),
+        (render(&["--profile", "skin", "--profile-material", "nobody"]), "nobody"),
+        (render(&["--size", "640"]), "640"),
+        (render(&["--size", "0x480"]), "0x480"),
+        (render(&["--method", "magic"]), "lambert"),
+        (render(&["--camera", "1,2"]), "yaw,pitch,distance"),
+        (render(&["--camera", "-35,5,-750"]), "above 0"),
+        (render(&["--camera-index", "3"]), "0 cameras"),
+        (render(&["--light", "1,2,-3"]), "negative"),
+        (render(&["--fov", "180"]), "180"),
+        (render(&["--mm-per-unit", "0"]), "above 0"),
+        (vec!["profile", "--frames", "0"], "--frames"),
+        (vec!["profile", "--timing", "guess"], "isolated"),
+        (vec!["explain", "shape:teapot"], "teapot"),
+    ];
+    for (args, words) in cases {
+        let out = pdss(&args)?;
+        if args.is_empty() {
+            assert_eq!(out.status.code(), Some(2));
+            assert!(text(&out.stderr).contains(words));
+        } else if let Some(fault) = fault(&out, 2, words) {
+            panic!("{args:?}: {fault}");
+        }
+    }
+    assert_eq!(std::fs::read_dir(dir.path())?.count(), 0, "a refusal leaves nothing behind");
+    Ok(())
+}
+
+#[test]
+fn the_check_of_a_refusal_can_fail() -> Outcome {
+    let help = pdss(&["--help"])?;
+    assert!(help.status.success() && !help.stdout.is_empty());
+    assert!(fault(&help, 2, "").is_some());
+    let refused = pdss(&["explain", "shape:teapot"])?;
+    assert!(fault(&refused, 3, "teapot").is_some(), "another code");
+    assert!(fault(&refused, 2, "kettle").is_some(), "other words");
+    Ok(())
+}
+
+#[test]
+fn a_device_that_is_not_there_exits_with_3() -> Outcome {
+    let dir = tempfile::tempdir()?;
+    let picture = dir.path().join("a.png").to_string_lossy().into_owned();
+    let out = pdss(&["render", "-o", &picture, "--device", "no such device", "--size", "8x8"])?;
+    assert_eq!(fault(&out, 3, "no usable Vulkan device"), None);
+    Ok(())
+}
+
+#[test]
+fn devices_are_listed_as_json() -> Outcome {
+    if no_device() {
+        return Ok(());
+    }
+    let out = pdss(&["devices", "--format", "json"])?;
+    let list: serde_json::Value = serde_json::from_slice(&out.stdout)?;
+    assert!(list[0]["name"].is_string() && list[0]["driver"].is_string(), "{list}");
+    Ok(())
+}
+
+#[test]
+fn pictures_have_the_size_that_was_asked_for() -> Outcome {
+    if no_device() {
+        return Ok(());
+    }
+    let dir = tempfile::tempdir()?;
+    let render = |name: &str, more: &[&str]| -> Result<image::DynamicImage, Box<dyn Error>> {
+        let file = dir.path().join(name).to_string_lossy().into_owned();
+        let fixed = [
+            "render",
+            "shape:sphere:20",
+            "-o",
+            &file,
+            "--size",
+            "96x64",
+            "--camera",
+            "-35,5,200",
+            "--light",
+            "-70,10,0.6",
+        ];
+        let out = pdss(&[&fixed, more].concat())?;
+        assert!(out.status.success() && out.stdout.is_empty(), "{more:?}: {}", text(&out.stderr));
+        Ok(image::ImageReader::open(Path::new(&file))?.decode()?)
+    };
+    for more in [&[][..], &["--view", "curvature"], &["--method", "lambert"]] {
+        let png = render("a.png", more)?.into_rgba8();
+        assert_eq!(png.dimensions(), (96, 64));
+        assert!(png.pixels().any(|p| p != png.get_pixel(0, 0)), "{more:?}: a picture of nothing");
+    }
+    let exr = render("a.exr", &["--view", "normal"])?.into_rgba32f();
+    let length = |p: &[f32; 4]| p[..3].iter().map(|x| x * x).sum::<f32>().sqrt();
+    let covered: Vec<[f32; 4]> = exr.pixels().map(|p| p.0).filter(|p| p[3] > 0.).collect();
+    let odd: Vec<_> = covered.iter().filter(|p| p[3] != 1. || (length(p) - 1.).abs() > 1e-3).take(4).collect();
+    // The silhouette's radius is 32 px tan(asin(20 / 200)) / tan(15 degrees) = 12.0 px.
+    assert!((440..465).contains(&covered.len()), "{} pixels covered", covered.len());
+    assert!(odd.is_empty(), "normals are not unit, or A is not coverage: {odd:?}");
+    Ok(())
+}
+
+#[test]
+fn a_profile_is_json_on_stdout_alone() -> Outcome {
+    if no_device() {
+        return Ok(());
+    }
+    let args = ["profile", "shape:sphere:20", "--size", "96x64", "--frames", "3", "--warmup", "1", "--format"];
+    for timing in ["overlap", "isolated"] {
+        let out = pdss(&[&args[..], &["json", "--timing", timing]].concat())?;
+        assert!(out.status.success(), "{}", text(&out.stderr));
+        let record: serde_json::Value = serde_json::from_slice(&out.stdout)?;
+        assert_eq!(record["timing"], timing);
+        assert_eq!(record["size"], serde_json::json!([96, 64]));
+        assert_eq!(record["frame"]["wall_ms"]["n"], 3);
+        let covered = record["covered_pixels"].as_u64().unwrap_or(0);
+        assert!((500..96 * 64).contains(&covered), "{covered} pixels covered");
+        let stages = record["stages"].as_array().map_or(0, Vec::len);
+        assert!(stages > 3 && out.stderr.is_empty(), "{stages} stages; {}", text(&out.stderr));
+    }
+    let trace: serde_json::Value = serde_json::from_slice(&pdss(&[&args[..], &["trace"]].concat())?.stdout)?;
+    assert!(trace["traceEvents"].as_array().is_some_and(|e| e.len() > 5));
+    let csv = text(&pdss(&[&args[..], &["csv"]].concat())?.stdout);
+    assert!(csv.starts_with("stage,median_ms,") && csv.lines().last().is_some_and(|l| l.starts_with("frame (wall),")));
+    Ok(())
+}
+
+#[test]
+fn a_plan_explains_every_wait() -> Outcome {
+    let out = pdss(&["explain", "shape:sphere:20", "--format", "json"])?;
+    assert!(out.status.success(), "{}", text(&out.stderr));
+    let plan: serde_json::Value = serde_json::from_slice(&out.stdout)?;
+    let passes = plan["passes"].as_array().ok_or("a plan has passes")?;
+    let reasons: Vec<&str> = passes
+        .iter()
+        .flat_map(|p| p["barriers"].as_array().into_iter().flatten())
+        .filter_map(|b| b["reason"].as_str())
+        .collect();
+    let kinds = [
+        "read after write: ",
+        "write after read: ",
+        "write after write: ",
+        "layout: ",
+        "next frame: ",
+        "reuse of memory: ",
+    ];
+    let odd: Vec<&&str> = reasons.iter().filter(|r| !kinds.iter().any(|k| r.starts_with(k))).collect();
+    assert!(odd.is_empty(), "{odd:?}");
+    for kind in ["read after write: ", "next frame: "] {
+        assert!(reasons.iter().any(|r| r.starts_with(kind)), "no {kind}among {reasons:?}");
+    }
+    let table = text(&pdss(&["explain", "shape:sphere:20"])?.stdout);
+    assert!(table.contains("left out") && table.contains("bytes per pixel"), "{table}");
+    Ok(())
+}
