@@ -27,7 +27,8 @@ fn main() {
             write!(all, "&{name}, ").expect("writing to a string");
         }
     }
-    writeln!(table, "/// Every shader of the crate.\npub static ALL: &[&Shader] = &[{all}];").expect("writing to a string");
+    writeln!(table, "/// Every shader of the crate.\npub static ALL: &[&Shader] = &[{all}];")
+        .expect("writing to a string");
     fs::write(out.join("shaders.rs"), table).expect("OUT_DIR is writable");
 }
 
@@ -50,7 +51,8 @@ fn compile(file: &Path, root: &Path) -> Vec<Compiled> {
         Some("spvasm") => {
             let text = fs::read_to_string(file).expect("readable");
             let compiler = shaderc::Compiler::new().expect("shaderc starts");
-            let artifact = compiler.assemble(&text, Some(&options(root))).unwrap_or_else(|e| fail(file, &e.to_string()));
+            let artifact =
+                compiler.assemble(&text, Some(&options(root))).unwrap_or_else(|e| fail(file, &e.to_string()));
             let mut words = artifact.as_binary().to_vec();
             // The assembler writes version 1.0 whatever it was asked for.
             words[1] = 0x0001_0500;
@@ -251,8 +253,10 @@ impl<'a> Reader<'a> {
             name = self.name(pointee);
         }
         let ty = self.types[&pointee];
-        let (mut read, mut write) =
-            (self.decorated(result, Decoration::NonReadable).is_none(), self.decorated(result, Decoration::NonWritable).is_none());
+        let (mut read, mut write) = (
+            self.decorated(result, Decoration::NonReadable).is_none(),
+            self.decorated(result, Decoration::NonWritable).is_none(),
+        );
         let (kind, format) = match ty.class.opcode {
             Op::TypeImage => {
                 assert!(ty.operands[1] != Operand::Dim(Dim::DimSubpassData), "no subpass inputs");

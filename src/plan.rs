@@ -252,7 +252,10 @@ impl Plan {
             for (name, usage) in &accesses {
                 if let Some(t) = self.targets.get_mut(name) {
                     if t.lifetime.0 == usize::MAX && !usage.access().discards && !name.starts_with("absent") {
-                        return Err(PlanError::Unwritten { pass: self.passes[index].name.clone(), resource: name.clone() });
+                        return Err(PlanError::Unwritten {
+                            pass: self.passes[index].name.clone(),
+                            resource: name.clone(),
+                        });
                     }
                     t.lifetime = (t.lifetime.0.min(index), t.lifetime.1.max(index));
                     t.desc.usage |= image_usage(*usage);
@@ -334,7 +337,10 @@ impl Plan {
     /// earlier tenants of its block.
     fn share_memory(&mut self) -> BTreeMap<String, Vec<String>> {
         let size = |t: &TargetPlan| {
-            u64::from(t.desc.size[0]) * u64::from(t.desc.size[1]) * u64::from(t.desc.layers) * texel_bytes(t.desc.format)
+            u64::from(t.desc.size[0])
+                * u64::from(t.desc.size[1])
+                * u64::from(t.desc.layers)
+                * texel_bytes(t.desc.format)
         };
         let mut order: Vec<(String, u64)> = self.targets.iter().map(|(n, t)| (n.clone(), size(t))).collect();
         order.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));

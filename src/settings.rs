@@ -241,7 +241,8 @@ fn parse_size(text: &str) -> Result<Size, String> {
 
 fn parse_ambient(text: &str) -> Result<Ambient, String> {
     let color = |t: &str| -> Result<[f32; 3], String> {
-        let v: Vec<f32> = t.split(',').filter_map(|x| x.trim().parse().ok()).filter(|x: &f32| x.is_finite() && *x >= 0.).collect();
+        let v: Vec<f32> =
+            t.split(',').filter_map(|x| x.trim().parse().ok()).filter(|x: &f32| x.is_finite() && *x >= 0.).collect();
         match (v.as_slice(), t.split(',').count()) {
             ([g], 1) => Ok([*g; 3]),
             ([r, g, b], 3) => Ok([*r, *g, *b]),

@@ -15,8 +15,8 @@ use std::sync::Arc;
 
 /// What is drawn where no scene is named.
 const DEFAULT_SCENE: &str = "shape:torus:70,25";
-/// What scatters in a built-in shape where no profile is named.
-const SHAPE_PROFILE: &str = "skin";
+/// How things scatter where no profile is named.
+const DEFAULT_PROFILE: &str = "skin";
 /// Vertical field of view where none is given, degrees.
 const DEFAULT_FOV: f64 = 30.;
 /// Key and fill where neither the command line nor the file has a light: yaw, pitch, irradiance at normal incidence.
@@ -54,11 +54,11 @@ pub struct View {
     /// may be repeated. Default: the file's lights, else a key and a fill.
     #[arg(long = "light", value_name = "YAW,PITCH[,INTENSITY]", allow_hyphen_values = true, value_parser = parse_light)]
     lights: Vec<Aim>,
-    /// Diffusion profile: a built-in name, a .toml file, or none. Default: skin for shapes, none for files.
-    #[arg(long, value_name = "NAME|FILE")]
-    profile: Option<String>,
+    /// Diffusion profile: a built-in name, a .toml file, or none.
+    #[arg(long, value_name = "NAME|FILE", default_value = DEFAULT_PROFILE)]
+    profile: String,
     /// The one material that has the profile. Default: every opaque dielectric.
-    #[arg(long, value_name = "NAME", requires = "profile")]
+    #[arg(long, value_name = "NAME")]
     profile_material: Option<String>,
     /// Millimetres in one unit of the file. Default: 1000.
     #[arg(long, value_name = "X", allow_hyphen_values = true, value_parser = parse_positive)]
@@ -122,10 +122,9 @@ impl View {
     /// Loads the scene and the profile, places the camera and the lights.
     pub fn load(&self) -> Result<Stage, Failure> {
         let options = LoadOptions { mm_per_unit: self.mm_per_unit, ..LoadOptions::default() };
-        let shape = self.scene.starts_with("shape:");
-        let profile = match self.profile.as_deref().or(shape.then_some(SHAPE_PROFILE)) {
-            None | Some("none") => None,
-            Some(name) => Some(Profile::resolve(name)?),
+        let profile = match self.profile.as_str() {
+            "none" => None,
+            name => Some(Profile::resolve(name)?),
         };
         let mut scene = Scene::open(&self.scene, &options)?;
         if profile.is_some() {

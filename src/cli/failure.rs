@@ -65,7 +65,7 @@ impl From<FrameError> for Failure {
     fn from(error: FrameError) -> Self {
         match error {
             FrameError::Gpu(error) => error.into(),
-            FrameError::View { .. } => Failure::Input(line(&error)),
+            FrameError::View { .. } | FrameError::Lights { .. } => Failure::Input(line(&error)),
             FrameError::Plan(_) => Failure::Run(line(&error)),
         }
     }

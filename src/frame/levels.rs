@@ -65,8 +65,8 @@ impl Levels {
         let mut out = Levels { length_mm, ..Levels::default() };
         match settings.method {
             Method::Lambert => out.sharp = [1.; 3],
-            Method::Moments => out.from_gaussians(merge(fit, most_levels(settings)), pixels),
-            Method::Pdss => out.from_channels(profile, widest, most_levels(settings), pixels),
+            Method::Moments => out.per_gaussian(merge(fit, most_levels(settings)), pixels),
+            Method::Pdss => out.per_channel(profile, widest, most_levels(settings), pixels),
         }
         out.strides(settings, pixels);
         out.steps(settings);
@@ -74,7 +74,7 @@ impl Levels {
     }
 
     /// `moments`: a level a Gaussian.
-    fn from_gaussians(&mut self, gaussians: Vec<Gaussian>, pixels: Magnification) {
+    fn per_gaussian(&mut self, gaussians: Vec<Gaussian>, pixels: Magnification) {
         for g in gaussians {
             if g.variance.sqrt() * pixels.nearest < LEAST_SIGMA_PX {
                 (0..3).for_each(|c| self.sharp[c] += g.weight[c]);
@@ -87,7 +87,7 @@ impl Levels {
 
     /// `pdss`: geometric levels up to the widest Gaussian; each channel's normal is mixed from the two levels that enclose
     /// its mean variance, linearly in sigma.
-    fn from_channels(&mut self, profile: &Profile, widest: f64, count: u32, pixels: Magnification) {
+    fn per_channel(&mut self, profile: &Profile, widest: f64, count: u32, pixels: Magnification) {
         let ratio = 4f64;
         for i in 0..count {
             let variance = widest * ratio.powi(i as i32 + 1 - count as i32);
@@ -149,7 +149,11 @@ impl Levels {
             let extra = (passes - levels) / levels + u32::from(i as u32 >= levels - (passes - levels) % levels);
             let share = (level.variance - before) / f64::from(1 + extra);
             for pass in 0..=extra {
-                self.steps.push(Step { variance: share, stride: (source, level.stride), level: (pass == extra).then_some(i) });
+                self.steps.push(Step {
+                    variance: share,
+                    stride: (source, level.stride),
+                    level: (pass == extra).then_some(i),
+                });
                 source = level.stride;
             }
             before = level.variance;
@@ -164,7 +168,9 @@ fn most_levels(settings: &Settings) -> u32 {
         (Method::Moments, _) => MAX_LEVELS as u32,
         _ => 3,
     };
-    settings.passes.map_or(by_quality, |p| if settings.method == Method::Pdss { p.min(MAX_LEVELS as u32) } else { by_quality.min(p.max(1)) })
+    settings.passes.map_or(by_quality, |p| {
+        if settings.method == Method::Pdss { p.min(MAX_LEVELS as u32) } else { by_quality.min(p.max(1)) }
+    })
 }
 
 /// At most `count` Gaussians besides the narrow ones: neighbours whose union moves least energy least far are merged, their
@@ -174,7 +180,9 @@ fn merge(mut gaussians: Vec<Gaussian>, count: u32) -> Vec<Gaussian> {
     gaussians.sort_by(|a, b| a.variance.total_cmp(&b.variance));
     let energy = |g: &Gaussian| g.weight.iter().sum::<f64>();
     // The narrow half of a profile is the sharp term; it does not count.
-    while gaussians.iter().filter(|g| g.variance > 0.1 * gaussians.last().map_or(0., |l| l.variance)).count() > count as usize {
+    while gaussians.iter().filter(|g| g.variance > 0.1 * gaussians.last().map_or(0., |l| l.variance)).count()
+        > count as usize
+    {
         let cost = |i: usize| {
             let (a, b) = (&gaussians[i], &gaussians[i + 1]);
             let (ea, eb) = (energy(a), energy(b));

@@ -125,7 +125,7 @@ impl Renderer {
         }
         let start = Instant::now();
         let draws: Vec<(Draw, &Material)> =
-            inputs.scene.draws.iter().filter_map(|d| Some((d.clone(), inputs.scene.materials.get(d.material)?))).collect();
+            inputs.scene.draws.iter().filter_map(|d| Some((*d, inputs.scene.materials.get(d.material)?))).collect();
         let (pipelines, classes) = record::pipelines(gpu, &plan, &draws)?;
         times.pipelines_ms = milliseconds(start);
         let start = Instant::now();
@@ -230,7 +230,8 @@ impl Renderer {
     pub fn tile_counts(&self) -> Result<BTreeMap<String, u32>, FrameError> {
         let mut counts = BTreeMap::new();
         for (name, buffer) in self.buffers.iter().filter(|(n, _)| n.contains("tiles")) {
-            let host = Buffer::new(&self.gpu, "tile count", 16, vk::BufferUsageFlags::TRANSFER_DST, MemoryLocation::GpuToCpu)?;
+            let host =
+                Buffer::new(&self.gpu, "tile count", 16, vk::BufferUsageFlags::TRANSFER_DST, MemoryLocation::GpuToCpu)?;
             record::read_buffer(&self.gpu, buffer, &host)?;
             counts.insert(name.clone(), bytemuck::pod_read_unaligned(&host.bytes()?[..4]));
         }
@@ -238,7 +239,8 @@ impl Renderer {
     }
 
     fn read<T>(&mut self, name: &str, decode: impl Fn(&[u8]) -> Vec<T>) -> Result<Vec<T>, FrameError> {
-        let image = self.images.get(name).ok_or_else(|| GpuError::Misuse(format!("this frame has no {name} picture")))?;
+        let image =
+            self.images.get(name).ok_or_else(|| GpuError::Misuse(format!("this frame has no {name} picture")))?;
         if self.readback.is_none() {
             self.readback = Some(record::read_back(&self.gpu, &self.plan, name, image)?);
         }
@@ -266,7 +268,8 @@ fn create_images(gpu: &Arc<Gpu>, plan: &Plan) -> Result<BTreeMap<String, Image>,
         let mut desc: ImageDesc = desc.clone();
         desc.array = desc.name == "shadow";
         if !gpu.supports(desc.format, desc.usage) {
-            let text = format!("{}: {:?} cannot be used as {:?} on {}", desc.name, desc.format, desc.usage, gpu.info().name);
+            let text =
+                format!("{}: {:?} cannot be used as {:?} on {}", desc.name, desc.format, desc.usage, gpu.info().name);
             return Err(GpuError::Misuse(text).into());
         }
         blocks.entry(*block).or_default().push(Image::unbound(gpu, desc)?);

@@ -61,7 +61,12 @@ fn class(material: &Material) -> ClassKey {
 }
 
 fn maps(m: &Material) -> [Option<usize>; 4] {
-    [m.base_color_texture, m.metallic_roughness_texture, m.normal_texture.map(|t| t.0), m.occlusion_texture.map(|t| t.0)]
+    [
+        m.base_color_texture,
+        m.metallic_roughness_texture,
+        m.normal_texture.map(|t| t.0),
+        m.occlusion_texture.map(|t| t.0),
+    ]
 }
 
 /// Makes the pipelines of a plan.
@@ -187,7 +192,9 @@ impl<'a> World<'a> {
 
     fn pipeline(&self, pass: usize, key: Option<ClassKey>) -> Result<&'a Pipeline, GpuError> {
         let index = self.classes.get(pass).and_then(|m| m.get(&key)).copied();
-        index.and_then(|i| self.pipelines.get(i)).ok_or_else(|| GpuError::Misuse(format!("pass {pass} has no pipeline")))
+        index
+            .and_then(|i| self.pipelines.get(i))
+            .ok_or_else(|| GpuError::Misuse(format!("pass {pass} has no pipeline")))
     }
 
     fn find(&self, pass: &Pass, name: &str, maps: &[Option<usize>; 4]) -> Option<Bound<'a>> {

@@ -75,7 +75,8 @@ impl Resources {
         if s.normal_maps {
             streams.push(uploads.buffer("tangents", bytemuck::cast_slice(&scene.tangents), vertex)?);
         }
-        let indices = uploads.buffer("indices", bytemuck::cast_slice(&scene.indices), vk::BufferUsageFlags::INDEX_BUFFER)?;
+        let indices =
+            uploads.buffer("indices", bytemuck::cast_slice(&scene.indices), vk::BufferUsageFlags::INDEX_BUFFER)?;
         let mut samplers = Vec::new();
         let mut kinds: Vec<([Wrap; 2], Filter)> = Vec::new();
         let mut textures = Vec::new();
@@ -86,7 +87,8 @@ impl Resources {
                 Some(i) => i,
                 None => {
                     kinds.push(kind);
-                    let filter = if texture.filter == Filter::Nearest { vk::Filter::NEAREST } else { vk::Filter::LINEAR };
+                    let filter =
+                        if texture.filter == Filter::Nearest { vk::Filter::NEAREST } else { vk::Filter::LINEAR };
                     samplers.push(Sampler::new(gpu, "texture sampler", filter, texture.wrap.map(address), true)?);
                     samplers.len() - 1
                 }
@@ -231,11 +233,23 @@ fn mip_chain(texture: &Texture) -> Pixels {
     let decode: Vec<f32> = (0..256u32)
         .map(|i| {
             let c = i as f32 / 255.;
-            if !texture.srgb { c } else if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+            if !texture.srgb {
+                c
+            } else if c <= 0.04045 {
+                c / 12.92
+            } else {
+                ((c + 0.055) / 1.055).powf(2.4)
+            }
         })
         .collect();
     let encode = |x: f32| {
-        let c = if !texture.srgb { x } else if x <= 0.003_130_8 { x * 12.92 } else { 1.055 * x.powf(1. / 2.4) - 0.055 };
+        let c = if !texture.srgb {
+            x
+        } else if x <= 0.003_130_8 {
+            x * 12.92
+        } else {
+            1.055 * x.powf(1. / 2.4) - 0.055
+        };
         (c * 255. + 0.5) as u8
     };
     let mut last = 0;
@@ -245,7 +259,12 @@ fn mip_chain(texture: &Texture) -> Pixels {
         let texel = |x: u32, y: u32| last + ((y.min(size[1] - 1) * size[0] + x.min(size[0] - 1)) * 4) as usize;
         for y in 0..next[1] {
             for x in 0..next[0] {
-                let at = [texel(2 * x, 2 * y), texel(2 * x + 1, 2 * y), texel(2 * x, 2 * y + 1), texel(2 * x + 1, 2 * y + 1)];
+                let at = [
+                    texel(2 * x, 2 * y),
+                    texel(2 * x + 1, 2 * y),
+                    texel(2 * x, 2 * y + 1),
+                    texel(2 * x + 1, 2 * y + 1),
+                ];
                 for c in 0..3 {
                     level.push(encode(at.iter().map(|i| decode[bytes[i + c] as usize]).sum::<f32>() / 4.));
                 }

@@ -22,7 +22,13 @@ impl Buffer {
     ///
     /// # Errors
     /// Where the driver or the allocator refuses.
-    pub fn new(gpu: &Arc<Gpu>, name: &str, size: u64, usage: vk::BufferUsageFlags, location: MemoryLocation) -> Result<Self, GpuError> {
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        name: &str,
+        size: u64,
+        usage: vk::BufferUsageFlags,
+        location: MemoryLocation,
+    ) -> Result<Self, GpuError> {
         let size = size.max(4);
         let info = vk::BufferCreateInfo::default().size(size).usage(usage).sharing_mode(vk::SharingMode::EXCLUSIVE);
         // SAFETY: a valid create info; the handle is owned by what is returned.
@@ -53,7 +59,8 @@ impl Buffer {
         let name = &self.name;
         let slice = self.allocation.as_mut().and_then(|a| a.mapped_slice_mut());
         let target = slice.and_then(|s| s.get_mut(..bytes.len()));
-        let target = target.ok_or_else(|| GpuError::Misuse(format!("{name}: {} bytes cannot be written by the host", bytes.len())))?;
+        let target = target
+            .ok_or_else(|| GpuError::Misuse(format!("{name}: {} bytes cannot be written by the host", bytes.len())))?;
         target.copy_from_slice(bytes);
         Ok(())
     }

@@ -65,12 +65,12 @@ impl Recorder {
         // SAFETY: the family is the queue's.
         let pool = unsafe { gpu.device.create_command_pool(&info, None) }.named("vkCreateCommandPool", "frame")?;
         gpu.born(pool, "frame commands");
-        let mut recorder =
-            Recorder { gpu: gpu.clone(), pool, commands: vk::CommandBuffer::null(), timer, stamped: 0 };
+        let mut recorder = Recorder { gpu: gpu.clone(), pool, commands: vk::CommandBuffer::null(), timer, stamped: 0 };
         let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
         // SAFETY: the pool is alive, and used by this thread alone.
         unsafe {
-            recorder.commands = gpu.device.allocate_command_buffers(&info).named("vkAllocateCommandBuffers", "frame")?[0];
+            recorder.commands =
+                gpu.device.allocate_command_buffers(&info).named("vkAllocateCommandBuffers", "frame")?[0];
             gpu.device
                 .begin_command_buffer(recorder.commands, &vk::CommandBufferBeginInfo::default())
                 .named("vkBeginCommandBuffer", "frame")?;
@@ -355,7 +355,11 @@ impl Pass<'_> {
                 vk::RenderingAttachmentInfo::default()
                     .image_view(image.view)
                     .image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
-                    .load_op(if clear.is_some() { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::DONT_CARE })
+                    .load_op(if clear.is_some() {
+                        vk::AttachmentLoadOp::CLEAR
+                    } else {
+                        vk::AttachmentLoadOp::DONT_CARE
+                    })
                     .store_op(vk::AttachmentStoreOp::STORE)
                     .clear_value(vk::ClearValue { color: vk::ClearColorValue { uint32: clear.unwrap_or_default() } })
             })
@@ -375,8 +379,12 @@ impl Pass<'_> {
             .layer_count(1)
             .color_attachments(&colors)
             .depth_attachment(&depth);
-        let viewport =
-            vk::Viewport { width: extent.width as f32, height: extent.height as f32, max_depth: 1., ..Default::default() };
+        let viewport = vk::Viewport {
+            width: extent.width as f32,
+            height: extent.height as f32,
+            max_depth: 1.,
+            ..Default::default()
+        };
         let r = &self.recorder;
         // SAFETY: recording; the views are alive and in the named layouts through the pass's barriers.
         unsafe {

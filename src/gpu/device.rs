@@ -223,7 +223,8 @@ fn instance(validate: bool) -> Result<(ash::Entry, ash::Instance), GpuError> {
     // SAFETY: loading the system's Vulkan loader runs its initialisers, nothing else.
     let entry = unsafe { ash::Entry::load() }
         .map_err(|e| GpuError::NoDevice(format!("no Vulkan loader ({e}); Debian: libvulkan1")))?;
-    let app = vk::ApplicationInfo::default().application_name(c"pdss").engine_name(c"pdss").api_version(vk::API_VERSION_1_3);
+    let app =
+        vk::ApplicationInfo::default().application_name(c"pdss").engine_name(c"pdss").api_version(vk::API_VERSION_1_3);
     let enables = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
     let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enables);
     let layers = [LAYER.as_ptr()];
@@ -329,7 +330,11 @@ fn missing_features(instance: &ash::Instance, physical: vk::PhysicalDevice) -> V
     .collect()
 }
 
-fn logical(instance: &ash::Instance, physical: vk::PhysicalDevice, name: &str) -> Result<(ash::Device, u32, u32), GpuError> {
+fn logical(
+    instance: &ash::Instance,
+    physical: vk::PhysicalDevice,
+    name: &str,
+) -> Result<(ash::Device, u32, u32), GpuError> {
     // SAFETY: plain query.
     let families = unsafe { instance.get_physical_device_queue_family_properties(physical) };
     let both = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;

@@ -172,7 +172,8 @@ impl Image {
             .format(self.desc.format)
             .subresource_range(range);
         // SAFETY: the image has memory, and the range lies inside it.
-        let view = unsafe { self.gpu.device.create_image_view(&info, None) }.named("vkCreateImageView", &self.desc.name)?;
+        let view =
+            unsafe { self.gpu.device.create_image_view(&info, None) }.named("vkCreateImageView", &self.desc.name)?;
         self.gpu.born(view, &format!("{} view", self.desc.name));
         Ok(view)
     }
@@ -215,8 +216,15 @@ impl Sampler {
     ///
     /// # Errors
     /// Where the driver refuses.
-    pub fn new(gpu: &Arc<Gpu>, name: &str, filter: vk::Filter, wrap: [vk::SamplerAddressMode; 2], mips: bool) -> Result<Self, GpuError> {
-        let mode = if filter == vk::Filter::LINEAR { vk::SamplerMipmapMode::LINEAR } else { vk::SamplerMipmapMode::NEAREST };
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        name: &str,
+        filter: vk::Filter,
+        wrap: [vk::SamplerAddressMode; 2],
+        mips: bool,
+    ) -> Result<Self, GpuError> {
+        let mode =
+            if filter == vk::Filter::LINEAR { vk::SamplerMipmapMode::LINEAR } else { vk::SamplerMipmapMode::NEAREST };
         let info = vk::SamplerCreateInfo::default()
             .mag_filter(filter)
             .min_filter(filter)

@@ -37,7 +37,9 @@ pub enum GpuError {
     #[error("no usable Vulkan device: {0}")]
     NoDevice(String),
     /// Validation was asked for and the layer is not installed.
-    #[error("validation was asked for, but VK_LAYER_KHRONOS_validation is not installed (Debian: vulkan-validationlayers)")]
+    #[error(
+        "validation was asked for, but VK_LAYER_KHRONOS_validation is not installed (Debian: vulkan-validationlayers)"
+    )]
     NoValidation,
     /// Memory could not be had.
     #[error("allocating {resource}: {reason}")]

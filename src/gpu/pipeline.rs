@@ -58,7 +58,12 @@ impl Pipeline {
     ///
     /// # Errors
     /// Where the driver refuses.
-    pub fn compute(gpu: &Arc<Gpu>, name: &str, shader: &'static Shader, constants: Constants<'_>) -> Result<Self, GpuError> {
+    pub fn compute(
+        gpu: &Arc<Gpu>,
+        name: &str,
+        shader: &'static Shader,
+        constants: Constants<'_>,
+    ) -> Result<Self, GpuError> {
         let mut pipeline = Self::layout(gpu, name, &[shader], vk::PipelineBindPoint::COMPUTE)?;
         let module = Module::new(gpu, shader)?;
         let special = Special::new(shader, constants);
@@ -120,7 +125,8 @@ impl Pipeline {
         let input = vk::PipelineVertexInputStateCreateInfo::default()
             .vertex_binding_descriptions(&vertex_bindings)
             .vertex_attribute_descriptions(&attributes);
-        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+        let assembly =
+            vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
         let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
         let (slope, constant) = raster.bias.unwrap_or_default();
         let rasterizer = vk::PipelineRasterizationStateCreateInfo::default()
@@ -132,13 +138,15 @@ impl Pipeline {
             .depth_bias_constant_factor(constant)
             .depth_clamp_enable(raster.clamp)
             .line_width(1.);
-        let samples = vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
+        let samples =
+            vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
         let depth = vk::PipelineDepthStencilStateCreateInfo::default()
             .depth_test_enable(true)
             .depth_write_enable(true)
             .depth_compare_op(raster.compare);
         let blends = vec![
-            vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
+            vk::PipelineColorBlendAttachmentState::default()
+                .color_write_mask(vk::ColorComponentFlags::RGBA);
             raster.colors.len()
         ];
         let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
@@ -209,8 +217,8 @@ impl Pipeline {
             .flags(vk::DescriptorSetLayoutCreateFlags::PUSH_DESCRIPTOR_KHR)
             .bindings(&infos);
         // SAFETY: a valid create info.
-        let set_layout =
-            unsafe { gpu.device.create_descriptor_set_layout(&info, None) }.named("vkCreateDescriptorSetLayout", name)?;
+        let set_layout = unsafe { gpu.device.create_descriptor_set_layout(&info, None) }
+            .named("vkCreateDescriptorSetLayout", name)?;
         gpu.born(set_layout, name);
         let mut pipeline = Pipeline {
             handle: vk::Pipeline::null(),
@@ -226,11 +234,14 @@ impl Pipeline {
         };
         let sets = [set_layout];
         let ranges = [vk::PushConstantRange { stage_flags: push_stages, offset: 0, size: push_size }];
-        let info = vk::PipelineLayoutCreateInfo::default()
-            .set_layouts(&sets)
-            .push_constant_ranges(if push_size > 0 { &ranges } else { &[] });
+        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets).push_constant_ranges(if push_size > 0 {
+            &ranges
+        } else {
+            &[]
+        });
         // SAFETY: the set layout is alive.
-        pipeline.layout = unsafe { gpu.device.create_pipeline_layout(&info, None) }.named("vkCreatePipelineLayout", name)?;
+        pipeline.layout =
+            unsafe { gpu.device.create_pipeline_layout(&info, None) }.named("vkCreatePipelineLayout", name)?;
         gpu.born(pipeline.layout, name);
         Ok(pipeline)
     }
@@ -277,7 +288,8 @@ impl<'a> Module<'a> {
             shader.code.chunks_exact(4).map(|c| u32::from_le_bytes([c[0], c[1], c[2], c[3]])).collect();
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
         // SAFETY: the build's compiler or assembler wrote this SPIR-V.
-        let module = unsafe { gpu.device.create_shader_module(&info, None) }.named("vkCreateShaderModule", shader.name)?;
+        let module =
+            unsafe { gpu.device.create_shader_module(&info, None) }.named("vkCreateShaderModule", shader.name)?;
         Ok(Module(module, gpu))
     }
 }

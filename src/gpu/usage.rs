@@ -110,8 +110,13 @@ pub struct State {
 
 impl State {
     /// Nothing has touched it yet.
-    pub const NEW: State =
-        State { layout: L::UNDEFINED, write_stage: S::NONE, write_access: A::NONE, read_stage: S::NONE, read_access: A::NONE };
+    pub const NEW: State = State {
+        layout: L::UNDEFINED,
+        write_stage: S::NONE,
+        write_access: A::NONE,
+        read_stage: S::NONE,
+        read_access: A::NONE,
+    };
 
     /// The layout it is in.
     pub fn layout(&self) -> L {
@@ -157,11 +162,12 @@ impl State {
             return barrier;
         }
         // A write, or a change of layout (which writes too): wait for the readers; where there were none, for the writer.
-        let (src_stage, src_access) = if self.read_stage.is_empty() || !self.write_stage.is_empty() && self.layout == L::UNDEFINED {
-            (self.write_stage | self.read_stage, self.write_access)
-        } else {
-            (self.read_stage, A::NONE)
-        };
+        let (src_stage, src_access) =
+            if self.read_stage.is_empty() || !self.write_stage.is_empty() && self.layout == L::UNDEFINED {
+                (self.write_stage | self.read_stage, self.write_access)
+            } else {
+                (self.read_stage, A::NONE)
+            };
         let old_layout = if to.discards { L::UNDEFINED } else { self.layout };
         // Discarding an image that already has the layout needs no transition; then only a hazard needs a barrier.
         let transition = image && !(same_layout && self.layout != L::UNDEFINED);
@@ -174,7 +180,13 @@ impl State {
             new_layout: layout,
         });
         *self = if to.writes {
-            State { layout, write_stage: to.stage, write_access: to.access & WRITES, read_stage: S::NONE, read_access: A::NONE }
+            State {
+                layout,
+                write_stage: to.stage,
+                write_access: to.access & WRITES,
+                read_stage: S::NONE,
+                read_access: A::NONE,
+            }
         } else {
             // The transition is the write that later readers of other stages must see; it was made visible to this one.
             State { layout, write_stage: to.stage, write_access: A::NONE, read_stage: to.stage, read_access: to.access }

@@ -4,6 +4,7 @@ mod lambert;
 mod moments;
 mod pdss;
 
+use crate::frame::resources::EXTERNAL;
 use crate::frame::setup::{Output, Setup};
 use crate::plan::{Plan, PlanError};
 use crate::settings::{Method, View};
@@ -14,8 +15,8 @@ use crate::stages;
 /// # Errors
 /// Where a stage and its shader disagree, or a view shows what the method does not make.
 pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
-    let mut plan = Plan::default();
-    plan.external = crate::frame::resources::EXTERNAL.iter().map(|n| (*n).to_owned()).collect();
+    let external = EXTERNAL.iter().map(|n| (*n).to_owned()).collect();
+    let mut plan = Plan { external, ..Plan::default() };
     let kept = if s.output == Output::Linear { "exr" } else { "ldr" };
     // Tiles without a surface are never visited: their colour is the clear's.
     plan.image(kept, s.size);

@@ -38,10 +38,15 @@ pub fn add(plan: &mut Plan, s: &Setup) {
             continue;
         }
         let name = if stride == 1 { "tiles".to_owned() } else { format!("tiles/{stride}") };
-        plan.compute(&name, &shaders::TILES, Domain::Threads([tiles(stride), 1]))
+        let pass = plan
+            .compute(&name, &shaders::TILES, Domain::Threads([tiles(stride), 1]))
             .constant("STRIDE", stride)
             .constant("SURFACE", u32::from(stride == 1))
             .constant("SCATTER", u32::from(s.scatters))
             .bind("scatter_tiles", if s.scatters { scatter(stride) } else { SURFACE });
+        if stride > 1 {
+            // Not touched as specialised; bound to the list that is written anyway, so that nobody waits for another.
+            pass.bind("surface_tiles", scatter(stride));
+        }
     }
 }
