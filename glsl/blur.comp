@@ -100,8 +100,10 @@ void tap(inout Sum sum, Kernel k, ivec2 offset, float rule, float planned) {
     sum.n += s.n * w;
     sum.weight += w;
     if (CURVATURE) {
-        sum.h += s.h * s.confidence * w;
-        sum.h_weight += s.confidence * w;
+        // Texels without a surface hold anything, NaN included: nothing times NaN is not nothing.
+        float share = w > 0. ? s.confidence * w : 0.;
+        sum.h += share > 0. ? s.h * share : 0.;
+        sum.h_weight += share;
     }
 #if LIT
     sum.lit += s.lit * w;
