@@ -21,6 +21,7 @@
 layout(constant_id = 0) const int SOURCE_STRIDE = 1;   // pixels per texel of the source, and of the target
 layout(constant_id = 1) const int TARGET_STRIDE = 1;
 layout(constant_id = 2) const bool CURVATURE = true;   // H is wanted
+layout(constant_id = 3) const bool TURN = false;       // the hexagon stands on a side: passes take turns
 
 layout(push_constant, scalar) uniform Push { float variance; } push;
 
@@ -141,8 +142,9 @@ void main() {
     vec2 scale = 2. * sqrt(push.variance) / (distance * frame.ray_scale);
     vec2 ray = k.ray * frame.perspective;
     // A step beyond the integers' range must not wrap.
-    vec2 along_t = clamp((t.xy + ray * t.z) * scale, vec2(-1e6), vec2(1e6));
-    vec2 along_b = clamp((b.xy + ray * b.z) * scale, vec2(-1e6), vec2(1e6)) * .866025404;
+    vec2 first = clamp((t.xy + ray * t.z) * scale, vec2(-1e6), vec2(1e6));
+    vec2 second = clamp((b.xy + ray * b.z) * scale, vec2(-1e6), vec2(1e6));
+    vec2 along_t = TURN ? second : first, along_b = (TURN ? first : second) * .866025404;
     ivec2 corner0 = ivec2(round(along_t));
     ivec2 corner1 = ivec2(round(.5 * along_t + along_b)), corner2 = ivec2(round(.5 * along_t - along_b));
 
