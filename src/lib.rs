@@ -73,3 +73,4 @@ pub mod shaders;
 pub mod skin;
 pub mod stages;
 pub mod targets;
+pub mod truth;
