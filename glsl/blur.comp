@@ -100,8 +100,9 @@ void tap(inout Sum sum, Kernel k, ivec2 offset, float rule, float planned) {
     sum.n += s.n * w;
     sum.weight += w;
     if (CURVATURE) {
-        sum.h += s.h * s.confidence * w;
-        sum.h_weight += s.confidence * w;
+        // Where nothing scatters nobody has written curvature: it may be a NaN, which no weight of 0 would take away.
+        sum.h += w > 0. ? s.h * s.confidence * w : 0.;
+        sum.h_weight += w > 0. ? s.confidence * w : 0.;
     }
 #if LIT
     sum.lit += s.lit * w;
