@@ -32,7 +32,7 @@ float shadow_visibility(Light light, vec3 position, vec3 normal, vec3 l, mat3 wo
     vec2 size = vec2(textureSize(shadow, 0).xy);
     vec2 at = (s.xy * .5 + .5) * size - .5;
     vec2 base = floor(at), f = at - base;
-    // Gather order: upper left, upper right, lower right, lower left with rows counted upwards.
+    // A gather returns x (0,1), y (1,1), z (1,0), w (0,0).
     vec4 a = vec4(lessThanEqual(textureGather(shadow, vec3((base + 1.) / size, float(layer))), vec4(s.z)));
     return mix(mix(a.w, a.z, f.x), mix(a.x, a.y, f.x), f.y);
 }
