@@ -121,7 +121,7 @@ struct Reflection {
     bindings: Vec<String>,
     constants: Vec<String>,
     blocks: Vec<String>,
-    push: (u32, String),
+    push: u32,
 }
 
 impl Reflection {
@@ -242,9 +242,8 @@ impl<'a> Reader<'a> {
         let Operand::StorageClass(class) = i.operands[0] else { return };
         let pointee = i.result_type.map(|t| id(&self.types[&t].operands[1])).unwrap_or_default();
         if class == StorageClass::PushConstant {
-            let (block, size) = self.block(pointee);
-            r.push = (size, block.clone());
-            r.blocks.push(block);
+            r.push = self.block(pointee).1;
+            self.blocks(pointee, &mut r.blocks);
             return;
         }
         let Some(binding) = self.decorated(result, Decoration::Binding) else { return };
@@ -267,8 +266,7 @@ impl<'a> Reader<'a> {
                 ("SampledImage", "UNDEFINED")
             }
             Op::TypeStruct => {
-                let (block, _) = self.block(pointee);
-                r.blocks.push(block);
+                self.blocks(pointee, &mut r.blocks);
                 if class == StorageClass::Uniform {
                     write = false;
                     ("Uniform", "UNDEFINED")
@@ -289,6 +287,20 @@ impl<'a> Reader<'a> {
             "Binding {{ name: {name:?}, binding: {binding}, kind: BindingKind::{kind}, read: {read}, write: {write}, format: vk::Format::{format} }}"
         );
         bindings.push((binding, text));
+    }
+
+    /// A block, and the structs that its members are or are arrays of.
+    fn blocks(&self, id_: u32, list: &mut Vec<String>) {
+        list.push(self.block(id_).0);
+        for operand in &self.types[&id_].operands {
+            let mut member = id(operand);
+            while matches!(self.types[&member].class.opcode, Op::TypeArray | Op::TypeRuntimeArray) {
+                member = id(&self.types[&member].operands[0]);
+            }
+            if self.types[&member].class.opcode == Op::TypeStruct {
+                self.blocks(member, list);
+            }
+        }
     }
 
     /// A block as Rust text, and its size in bytes (the end of its last member; a runtime array counts nothing).
@@ -347,7 +359,7 @@ impl Compiled {
         format!(
             "/// `glsl/{stem}`, as compiled by the build.\npub static {name}: Shader = Shader {{ name: {name:?}, stem: {stem:?}, stage: ShaderStage::{stage}, code: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{name}.spv\")), workgroup: {:?}, push_size: {}, bindings: &[{}], constants: &[{}], blocks: &[{}] }};",
             r.workgroup,
-            r.push.0,
+            r.push,
             r.bindings.join(", "),
             r.constants.join(", "),
             r.blocks.join(", ")

@@ -43,7 +43,7 @@ pub struct Binding {
     pub format: vk::Format,
 }
 
-/// The layout of one block as the compiler laid it out.
+/// The layout of one block, or of a struct inside one, as the compiler laid it out.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
     /// Name of the block's type.
@@ -73,7 +73,7 @@ pub struct Shader {
     pub bindings: &'static [Binding],
     /// Specialization constants: name and id. Those that the optimiser removed are absent.
     pub constants: &'static [(&'static str, u32)],
-    /// Blocks with their member offsets.
+    /// Blocks with their member offsets, each followed by the structs inside it.
     pub blocks: &'static [Block],
 }
 

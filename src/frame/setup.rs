@@ -101,8 +101,8 @@ impl Setup {
         let soft = matches!(settings.view, View::SoftNormal | View::SoftCurvature);
         let lit_view = matches!(settings.view, View::Final | View::Scatter | View::Irradiance | View::Ao);
         let mut shadows = Shadows::new(inputs);
-        if !scatters && settings.view != View::Lit {
-            // Nobody blurs visibility: lighting looks it up itself.
+        if !blurred && settings.view != View::Lit {
+            // Nobody blurs visibility: lighting looks it up itself, at full precision.
             shadows.without_slots();
         }
         let missing = if soft && !blurred {

@@ -1,0 +1,124 @@
+//! One device, watched by the validation layers, and frames on it.
+#![allow(dead_code, reason = "shared by several test programs, none of which uses all of it")]
+use pdss::frame::{FrameError, Inputs, Output, Renderer};
+use pdss::gpu::{Gpu, Options};
+use pdss::scene::{Camera, Light, Scene};
+use pdss::settings::{Ambient, Method, Settings, Size, View};
+use pdss::skin::profile::{Gaussian, Profile, Shape};
+use std::sync::Arc;
+
+/// Opens the device with core and synchronization validation. No layer or no device is a failure, not a reason to skip.
+pub fn open() -> Arc<Gpu> {
+    let gpu = Gpu::open(&Options { validate: true, device: None }).expect("a Vulkan device and the validation layer");
+    println!("driver: {} ({}), Vulkan {}", gpu.info().name, gpu.info().driver, gpu.info().api);
+    gpu
+}
+
+/// Closes it: no message has come, nothing is alive.
+pub fn close(gpu: Arc<Gpu>) {
+    assert_eq!(gpu.messages(), Vec::<String>::new(), "validation messages");
+    gpu.close().expect("nothing leaks");
+}
+
+/// Everything that a frame is made from.
+#[derive(Clone)]
+pub struct Set {
+    pub scene: Arc<Scene>,
+    pub camera: Camera,
+    pub lights: Vec<Light>,
+    pub profile: Option<Profile>,
+    pub settings: Settings,
+    pub output: Output,
+}
+
+/// A linear picture.
+#[derive(Clone, PartialEq)]
+pub struct Picture {
+    pub size: [usize; 2],
+    pub texels: Vec<[f32; 4]>,
+}
+
+impl Picture {
+    pub fn at(&self, x: usize, y: usize) -> [f32; 4] {
+        self.texels[y * self.size[0] + x]
+    }
+
+    /// Texels on a surface, by index.
+    pub fn covered(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.texels.len()).filter(|i| self.texels[*i][3] > 0.)
+    }
+
+    /// Texels whose bits are not the same.
+    pub fn differing(&self, other: &Picture) -> usize {
+        assert_eq!(self.size, other.size);
+        let bits = |t: &[f32; 4]| t.map(f32::to_bits);
+        self.texels.iter().zip(&other.texels).filter(|(a, b)| bits(a) != bits(b)).count()
+    }
+
+    /// Largest difference of a colour channel.
+    pub fn apart(&self, other: &Picture) -> f32 {
+        assert_eq!(self.size, other.size);
+        let one = |a: &[f32; 4], b: &[f32; 4]| (0..3).map(|c| (a[c] - b[c]).abs()).fold(0., f32::max);
+        // A NaN is further away than anything.
+        let worse = |m: f32, d: f32| if d.is_nan() { f32::INFINITY } else { m.max(d) };
+        self.texels.iter().zip(&other.texels).map(|(a, b)| one(a, b)).fold(0., worse)
+    }
+}
+
+/// One narrow and one wide Gaussian: a profile whose table is quick to build, red wider than blue.
+pub fn wax() -> Profile {
+    let gaussians =
+        vec![Gaussian { variance: 1., weight: [0.3, 0.6, 0.9] }, Gaussian { variance: 16., weight: [0.7, 0.4, 0.1] }];
+    Profile { name: "wax".into(), source: String::new(), shape: Shape::Gaussians(gaussians), ior: 1.4, albedo: None }
+}
+
+/// The scene of a shape, all of it scattering.
+pub fn shape(text: &str) -> Arc<Scene> {
+    let mut scene = Scene::shape(text).expect("a shape");
+    scene.assign_profile(None, 0).expect("a material");
+    Arc::new(scene)
+}
+
+/// Settings of a small picture of `view` by `method`.
+pub fn settings(method: Method, view: View, size: [u32; 2]) -> Settings {
+    let ambient = Ambient { up: [0.05; 3], down: [0.02; 3] };
+    Settings { method, view, size: Size { width: size[0], height: size[1] }, ambient, ..Settings::default() }
+}
+
+impl Set {
+    /// A shape seen from yaw 20, pitch 30 at `distance` mm, one light from the upper left.
+    pub fn new(text: &str, distance: f64, settings: Settings) -> Set {
+        let scene = shape(text);
+        let camera = Camera::orbit(20., 30., distance, None, 30., &scene);
+        let lights = vec![Light::directional(-40., 35., 1.)];
+        Set { scene, camera, lights, profile: Some(wax()), settings, output: Output::Linear }
+    }
+
+    pub fn inputs(&self) -> Inputs<'_> {
+        Inputs {
+            scene: &self.scene,
+            camera: self.camera.clone(),
+            lights: self.lights.clone(),
+            profile: self.profile.clone(),
+            settings: self.settings.clone(),
+            timing: None,
+            output: self.output,
+        }
+    }
+
+    pub fn size(&self) -> [usize; 2] {
+        [self.settings.size.width as usize, self.settings.size.height as usize]
+    }
+
+    /// The linear picture, drawn twice: the second run finds what the first has left behind.
+    pub fn try_linear(&self, gpu: &Arc<Gpu>) -> Result<Picture, FrameError> {
+        let mut renderer = Renderer::new(gpu, self.inputs())?;
+        renderer.run()?;
+        renderer.run()?;
+        Ok(Picture { size: self.size(), texels: renderer.linear()? })
+    }
+
+    pub fn linear(&self, gpu: &Arc<Gpu>) -> Picture {
+        self.try_linear(gpu).expect("a frame")
+    }
+}
