@@ -1,11 +1,12 @@
 // blur: viewz, and normal + curvature + lit or a blurred level -> a wider level.
 // variants: first FIRST=1 LIT=0; first_lit FIRST=1 LIT=1; next FIRST=0 LIT=0; next_lit FIRST=0 LIT=1
 //
-// One pass of the cross-bilateral diffusion. It widens the Gaussian by `variance` (mm^2 on the surface) with the 3 x 3
-// Gauss-Hermite rule: nodes 0, +-sqrt(3 variance), weights 2/3, 1/6, exact to the fifth moment, so that passes add up to
-// the profile's variances to the digit. The nodes lie in the tangent plane and are projected to the screen: on a grazing
-// surface the kernel is as round as on a facing one. Each tap is corrected for where it really landed,
-//     w = rule * exp((planned^2 - distance^2) / (2 variance)) * area,
+// One pass of the cross-bilateral diffusion. It widens the Gaussian by `variance` (mm^2 on the surface) with the seven-point
+// rule for a Gaussian in the plane (Radon 1948; Stroud 1971, E2 r^2 5-1): the centre weighs 1/2, a hexagon of radius
+// 2 sqrt(variance) 1/12 a corner; exact to the fifth degree, so that passes add up to the profile's variances to the digit.
+// The hexagon lies in the tangent plane and is projected to the screen: on a grazing surface the kernel is as round as on a
+// facing one. Each tap is corrected for where it really landed,
+//     w = 1/12 * exp((4 variance - distance^2) / (2 variance)) * area,
 // distance being 3-D (Mikkelsen 2010): what lies across a depth step is far away and weighs nothing. The area term is the
 // surface that a tap stands for over the tangent plane's share, n0.v / n.v. Curvature without confidence weighs nothing and
 // is filled from its neighbours (normalised convolution, Knutsson & Westin 1993).
@@ -20,6 +21,7 @@
 layout(constant_id = 0) const int SOURCE_STRIDE = 1;   // pixels per texel of the source, and of the target
 layout(constant_id = 1) const int TARGET_STRIDE = 1;
 layout(constant_id = 2) const bool CURVATURE = true;   // H is wanted
+layout(constant_id = 3) const bool TURN = false;       // the hexagon stands on a side: passes take turns
 
 layout(push_constant, scalar) uniform Push { float variance; } push;
 
@@ -75,7 +77,8 @@ struct Kernel {
     ivec2 pixel;
     vec3 p0, v;
     vec2 ray;           // view ray of the pixel
-    float z, facing, falloff;
+    float z, facing;
+    float falloff, planned; // log2 of a tap's weight is planned - distance^2 * falloff
 };
 
 struct Sum {
@@ -84,7 +87,7 @@ struct Sum {
     vec2 lit;
 };
 
-void tap(inout Sum sum, Kernel k, ivec2 offset, float rule, float planned) {
+void tap(inout Sum sum, Kernel k, ivec2 offset) {
     ivec2 q = k.pixel + offset;
     // Clamped and weighed nothing rather than skipped: lanes do not part.
     ivec2 inside = clamp(q, ivec2(0), frame.size - 1);
@@ -95,14 +98,15 @@ void tap(inout Sum sum, Kernel k, ivec2 offset, float rule, float planned) {
     vec2 ray = k.ray + frame.ray_scale * vec2(seat - k.pixel);
     vec3 d = vec3(ray * mix(1., z, frame.perspective), -z) - k.p0;
     float area = k.facing / max(dot(s.n, k.v), .1);
-    float w = rule * exp2(clamp((planned - dot(d, d)) * k.falloff, -80., 6.)) * area;
+    float w = exp2(clamp(k.planned - dot(d, d) * k.falloff, -80., 6.)) * area;
     w = z > 0. && q == inside ? w : 0.;
     sum.n += s.n * w;
     sum.weight += w;
     if (CURVATURE) {
-        // Where nothing scatters nobody has written curvature: it may be a NaN, which no weight of 0 would take away.
-        sum.h += w > 0. ? s.h * s.confidence * w : 0.;
-        sum.h_weight += w > 0. ? s.confidence * w : 0.;
+        // Texels without a surface hold anything, NaN included: nothing times NaN is not nothing.
+        float share = w > 0. ? s.confidence * w : 0.;
+        sum.h += share > 0. ? s.h * share : 0.;
+        sum.h_weight += share;
     }
 #if LIT
     sum.lit += s.lit * w;
@@ -127,38 +131,38 @@ void main() {
     float along = dot(n0, k.v);
     k.facing = max(along, .1);
     k.falloff = .5 * 1.44269504 / push.variance;
+    k.planned = 2. * 1.44269504;
 
-    // Tangents: along the slope and across it. Their images on the screen, in pixels per sqrt(3 variance).
+    // Tangents: along the slope and across it. Their images on the screen, in pixels per 2 sqrt(variance).
     vec3 slope = k.v - n0 * along;
     float steep = dot(slope, slope);
     vec3 other = cross(n0, abs(n0.x) < .7 ? vec3(1., 0., 0.) : vec3(0., 1., 0.));
     vec3 t = steep > 1e-8 ? slope * inversesqrt(steep) : other * inversesqrt(dot(other, other));
     vec3 b = cross(n0, t);
-    float planned = 3. * push.variance;
-    vec2 scale = sqrt(planned) / (distance * frame.ray_scale);
+    vec2 scale = 2. * sqrt(push.variance) / (distance * frame.ray_scale);
     vec2 ray = k.ray * frame.perspective;
     // A step beyond the integers' range must not wrap.
-    vec2 step_t = clamp((t.xy + ray * t.z) * scale, vec2(-1e6), vec2(1e6));
-    vec2 step_b = clamp((b.xy + ray * b.z) * scale, vec2(-1e6), vec2(1e6));
-    ivec2 et = ivec2(round(step_t)), eb = ivec2(round(step_b));
-    ivec2 ec = ivec2(round(step_t + step_b)), ed = ivec2(round(step_t - step_b));
+    vec2 first = clamp((t.xy + ray * t.z) * scale, vec2(-1e6), vec2(1e6));
+    vec2 second = clamp((b.xy + ray * b.z) * scale, vec2(-1e6), vec2(1e6));
+    vec2 along_t = TURN ? second : first, along_b = (TURN ? first : second) * .866025404;
+    ivec2 corner0 = ivec2(round(along_t));
+    ivec2 corner1 = ivec2(round(.5 * along_t + along_b)), corner2 = ivec2(round(.5 * along_t - along_b));
 
+    // In units of a corner's weight the centre weighs 6.
     Sum sum;
-    sum.weight = 4. / 9.;
+    sum.weight = 6.;
     sum.n = centre.n * sum.weight;
-    sum.h = centre.h * centre.confidence * sum.weight;
     sum.h_weight = centre.confidence * sum.weight;
+    sum.h = sum.h_weight > 0. ? centre.h * sum.h_weight : 0.;
 #if LIT
     sum.lit = centre.lit * sum.weight;
 #endif
-    tap(sum, k, et, 1. / 9., planned);
-    tap(sum, k, -et, 1. / 9., planned);
-    tap(sum, k, eb, 1. / 9., planned);
-    tap(sum, k, -eb, 1. / 9., planned);
-    tap(sum, k, ec, 1. / 36., 2. * planned);
-    tap(sum, k, -ec, 1. / 36., 2. * planned);
-    tap(sum, k, ed, 1. / 36., 2. * planned);
-    tap(sum, k, -ed, 1. / 36., 2. * planned);
+    tap(sum, k, corner0);
+    tap(sum, k, -corner0);
+    tap(sum, k, corner1);
+    tap(sum, k, -corner1);
+    tap(sum, k, corner2);
+    tap(sum, k, -corner2);
 
     float scale_back = 1. / sum.weight;
     float h = sum.h_weight > 0. ? sum.h / sum.h_weight : 0.;

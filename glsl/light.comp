@@ -221,7 +221,7 @@ void main() {
                 // both vanish nothing is cast, the surface merely turns away.
                 vec3 free = frame.share[0].rgb * max(c, 0.);
                 for (int k = 0; k < LEVELS; ++k) free += frame.share[k + 1].rgb * moment(level[k].n, l);
-                lit_here *= min(((light.slot == 0 ? lit0 : lit1) + .01) / (free + .01), 1.);
+                lit_here *= min(((light.slot == 0 ? lit0 : lit1) + .003) / (free + .003), 1.);
             } else {
                 lit_here *= shade;
             }

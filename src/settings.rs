@@ -171,7 +171,7 @@ pub struct Settings {
     /// Exposure in stops.
     #[arg(long, default_value_t = 0., allow_hyphen_values = true)]
     pub exposure: f32,
-    /// Ambient radiance from above and, after a colon, from below: r,g,b[:r,g,b] or one grey number.
+    /// Ambient radiance, r,g,b or one grey number: from above and, after a colon, from below.
     #[arg(long, default_value = "0.03", value_parser = parse_ambient)]
     pub ambient: Ambient,
     /// Cast no shadows.

@@ -5,7 +5,7 @@ use super::failure::Failure;
 use super::{print, print_json};
 use clap::{Args, ValueEnum};
 use pdss::frame::{Output, Renderer};
-use pdss::report::explain::Explanation;
+use pdss::report::explain::{Explanation, ProfileWords};
 
 /// Options of `pdss explain`.
 #[derive(Debug, Args)]
@@ -33,7 +33,8 @@ impl Explain {
         let stage = self.view.load()?;
         let plan = Renderer::plan_only(&stage.inputs(None, Output::Ldr))?;
         let [width, height] = stage.size();
-        let words = Explanation::of(&plan, u64::from(width) * u64::from(height));
+        let mut words = Explanation::of(&plan, u64::from(width) * u64::from(height));
+        words.profile = stage.profile.as_ref().map(ProfileWords::of);
         match self.format {
             Format::Table => print(&words.to_string()),
             Format::Json => print_json(&words),

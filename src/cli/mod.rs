@@ -2,10 +2,12 @@
 
 mod args;
 mod devices;
+mod diff;
 mod explain;
 mod failure;
 mod profile;
 mod render;
+mod truth;
 
 use clap::{Parser, Subcommand};
 use failure::Failure;
@@ -30,6 +32,10 @@ enum Command {
     Profile(profile::Profile),
     /// Say what a frame consists of, what waits for what and why, and what was left out.
     Explain(explain::Explain),
+    /// Integrate the converged answer that methods are held against; needs no device.
+    Truth(truth::Truth),
+    /// Say how wrong one picture is against another.
+    Diff(diff::Diff),
     /// List the Vulkan devices.
     Devices(devices::Devices),
 }
@@ -40,6 +46,8 @@ pub fn main() -> ExitCode {
         Command::Render(c) => c.run(),
         Command::Profile(c) => c.run(),
         Command::Explain(c) => c.run(),
+        Command::Truth(c) => c.run(),
+        Command::Diff(c) => c.run(),
         Command::Devices(c) => c.run(),
     };
     match done {

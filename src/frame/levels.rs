@@ -7,6 +7,9 @@ use crate::skin::profile::{Gaussian, Profile};
 /// A Gaussian whose sigma covers fewer pixels than this is not told from a point: its rms radius projects below one pixel.
 const LEAST_SIGMA_PX: f64 = 0.7;
 
+/// Each of these that a step exceeds asks for one more pass.
+const LONG_STEPS_TEXELS: [f64; 3] = [12., 24., 48.];
+
 /// One level that lighting reads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
@@ -69,7 +72,7 @@ impl Levels {
             Method::Pdss => out.per_channel(profile, widest, most_levels(settings), pixels),
         }
         out.strides(settings, pixels);
-        out.steps(settings);
+        out.steps(settings, pixels);
         out
     }
 
@@ -135,18 +138,28 @@ impl Levels {
         }
     }
 
-    /// Passes that reach each level's variance from the one before.
-    fn steps(&mut self, settings: &Settings) {
+    /// Passes that reach each level's variance from the one before. A long step is seen: where a tap falls off a silhouette,
+    /// its weight is missing along a line as far away as the step is long. More, shorter steps wash the line out.
+    fn steps(&mut self, settings: &Settings, pixels: Magnification) {
         let levels = self.levels.len() as u32;
         if levels == 0 {
             return;
         }
-        let default = if settings.quality == Quality::Ultra { 2 * levels } else { levels };
-        let passes = settings.passes.unwrap_or(default).max(levels);
         let (mut before, mut source) = (0., 1);
         for (i, level) in self.levels.iter().enumerate() {
-            // The passes beyond one a level go to the widest levels, whose steps are longest.
-            let extra = (passes - levels) / levels + u32::from(i as u32 >= levels - (passes - levels) % levels);
+            let step_texels = 2. * (level.variance - before).sqrt() * pixels.middle / f64::from(level.stride);
+            let extra = match settings.passes {
+                // The passes beyond one a level go to the widest levels, whose steps are longest.
+                Some(passes) => {
+                    let spare = passes.saturating_sub(levels);
+                    spare / levels + u32::from(i as u32 >= levels - spare % levels)
+                }
+                None if settings.quality == Quality::Low => 0,
+                None => {
+                    u32::from(settings.quality == Quality::Ultra)
+                        + LONG_STEPS_TEXELS.iter().filter(|long| step_texels > **long).count() as u32
+                }
+            };
             let share = (level.variance - before) / f64::from(1 + extra);
             for pass in 0..=extra {
                 self.steps.push(Step {

@@ -10,8 +10,8 @@ mod record;
 
 pub use setup::{Output, Setup};
 
-use crate::gpu::commands::Recorded;
 use crate::gpu::pipeline::Pipeline;
+use crate::gpu::submit::Recorded;
 use crate::gpu::timing::{Timer, TimingMode};
 use crate::gpu::{Buffer, Gpu, GpuError, Image, ImageDesc};
 use crate::methods;

@@ -3,7 +3,8 @@
 use super::setup::Setup;
 use super::uniforms::{FrameBlock, LightBlock, MAX_LEVELS};
 use super::{FrameError, Inputs};
-use crate::gpu::commands::{Bound, Guarded, Recorder};
+use crate::gpu::commands::{Guarded, Recorder};
+use crate::gpu::pass::Bound;
 use crate::gpu::usage::{State, Usage};
 use crate::gpu::{Buffer, Gpu, Image, ImageDesc, Sampler};
 use crate::scene::{Filter, Texture, Wrap};

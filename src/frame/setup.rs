@@ -155,7 +155,8 @@ impl Setup {
 }
 
 impl ViewFacts {
-    fn new(camera: &Camera, size: [u32; 2], min: Vec3, max: Vec3) -> Self {
+    /// The facts of a camera over a box of the scene, mm.
+    pub(crate) fn new(camera: &Camera, size: [u32; 2], min: Vec3, max: Vec3) -> Self {
         let [w, h] = size.map(f64::from);
         let (half_height, perspective) = match camera.projection {
             Projection::Perspective { fov_y } => ((f64::from(fov_y) / 2.).tan(), 1.),

@@ -168,8 +168,9 @@ impl State {
             } else {
                 (self.read_stage, A::NONE)
             };
-        let old_layout = if to.discards { L::UNDEFINED } else { self.layout };
-        // Discarding an image that already has the layout needs no transition; then only a hazard needs a barrier.
+        // What was written before in this frame is kept even by a use that writes: it may write a part. Content is only
+        // forgotten where a life begins ([`State::reborn`]).
+        let old_layout = self.layout;
         let transition = image && !(same_layout && self.layout != L::UNDEFINED);
         let barrier = (transition || !src_stage.is_empty()).then_some(Barrier {
             src_stage,
@@ -233,6 +234,16 @@ mod tests {
         let b = s.next(Usage::ComputeWrite, true).expect("write after read");
         assert_eq!((b.src_stage, b.src_access), (S::COMPUTE_SHADER, A::NONE));
         assert_eq!(b.old_layout, b.new_layout, "no transition where the layout stays");
+    }
+
+    #[test]
+    fn a_partial_write_keeps_what_a_clear_wrote() {
+        let mut s = State::NEW;
+        s.next(Usage::CopyTo, true);
+        let b = s.next(Usage::ComputeWrite, true).expect("another layout");
+        assert_eq!(b.old_layout, L::TRANSFER_DST_OPTIMAL, "UNDEFINED would lose the background");
+        let b = s.reborn().next(Usage::CopyTo, true).expect("the next frame");
+        assert_eq!(b.old_layout, L::UNDEFINED, "the twin: a new life forgets");
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::table::Table;
 use super::traffic::{self, human};
 use crate::gpu::usage::Barrier;
 use crate::plan::{Domain, Geometry, LeftOut, Pass, Plan, Work};
+use crate::skin::profile::Profile;
 use crate::targets;
 use serde::Serialize;
 use std::fmt::{self, Display};
@@ -13,6 +14,8 @@ use std::fmt::{self, Display};
 pub struct Explanation {
     /// Version of this record's shape.
     pub schema: u32,
+    /// The diffusion profile, if something scatters.
+    pub profile: Option<ProfileWords>,
     /// Passes in order.
     pub passes: Vec<PassWords>,
     /// Images of the frame.
@@ -27,6 +30,44 @@ pub struct Explanation {
     pub bytes_per_pixel: f64,
     /// What is not there.
     pub left_out: Vec<LeftOut>,
+}
+
+/// A profile as the frame uses it.
+#[derive(Clone, Debug, Serialize)]
+pub struct ProfileWords {
+    /// Its name.
+    pub name: String,
+    /// Where its figures come from.
+    pub source: String,
+    /// Variance in mm^2 and weight per channel of each Gaussian.
+    pub gaussians: Vec<(f64, [f64; 3])>,
+    /// L1 error of 2 pi r R(r), the worst channel; 0 where the profile is such a sum itself.
+    pub fit_error: f64,
+}
+
+impl ProfileWords {
+    /// Fits the profile, and says how well.
+    pub fn of(profile: &Profile) -> ProfileWords {
+        let fit = profile.gaussians();
+        ProfileWords {
+            name: profile.name.clone(),
+            source: profile.source.clone(),
+            gaussians: fit.gaussians.iter().map(|g| (g.variance, g.weight)).collect(),
+            fit_error: fit.error,
+        }
+    }
+}
+
+impl Display for ProfileWords {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let how =
+            if self.fit_error == 0. { "exact".to_owned() } else { format!("fitted, L1 error {:.3}", self.fit_error) };
+        writeln!(f, "profile {}: {} Gaussians, {how} ({})", self.name, self.gaussians.len(), self.source)?;
+        for (variance, [r, g, b]) in &self.gaussians {
+            writeln!(f, "    sigma {:7.4} mm, weight {r:.3} {g:.3} {b:.3}", variance.sqrt())?;
+        }
+        Ok(())
+    }
 }
 
 /// One pass.
@@ -95,6 +136,7 @@ impl Explanation {
         let frame = traffic::of_frame(plan);
         Explanation {
             schema: super::record::SCHEMA,
+            profile: None,
             passes: (0..plan.passes.len()).map(|i| pass_words(plan, i)).collect(),
             targets: target_words(plan),
             buffers: plan.buffers.values().map(|b| (b.name.clone(), b.bytes)).collect(),
@@ -250,6 +292,9 @@ fn target_words(plan: &Plan) -> Vec<TargetWords> {
 
 impl Display for Explanation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(profile) = &self.profile {
+            writeln!(f, "{profile}")?;
+        }
         for (number, pass) in self.passes.iter().enumerate() {
             writeln!(f, "{:>2}. {}: {}", number + 1, pass.name, pass.domain)?;
             if !pass.shaders.is_empty() {

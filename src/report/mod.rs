@@ -6,6 +6,7 @@ pub mod picture;
 pub mod preview;
 pub mod record;
 pub mod stats;
+pub mod supersample;
 pub mod table;
 pub mod trace;
 pub mod traffic;

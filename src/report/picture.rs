@@ -1,8 +1,8 @@
 //! Pictures on disk: PNG for people, EXR for measuring. A picture appears whole under its name, or not at all.
 
-use image::codecs::openexr::OpenExrEncoder;
+use image::codecs::openexr::{OpenExrDecoder, OpenExrEncoder};
 use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder, ImageError};
+use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageError};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -51,6 +51,14 @@ pub enum PictureError {
         file: PathBuf,
         /// What the system said.
         reason: io::Error,
+    },
+    /// A file that is no EXR, or cannot be read.
+    #[error("{}: {reason}", .file.display())]
+    Read {
+        /// The picture.
+        file: PathBuf,
+        /// What the decoder said.
+        reason: ImageError,
     },
     /// The encoder refused.
     #[error("{}: {reason}", .file.display())]
@@ -101,6 +109,27 @@ pub fn write_exr(file: &Path, size: [u32; 2], pixels: &[[f32; 4]]) -> Result<(),
     check(file, size, pixels.len())?;
     let bytes = bytemuck::cast_slice(pixels);
     replace(file, |w| OpenExrEncoder::new(w).write_image(bytes, size[0], size[1], ExtendedColorType::Rgba32F))
+}
+
+/// Reads an EXR as linear RGBA f32 pixels, row by row from the top; A is 1 where the file has none.
+///
+/// # Errors
+/// Where the file is not an EXR, or cannot be read.
+pub fn read_exr(file: &Path) -> Result<([u32; 2], Vec<[f32; 4]>), PictureError> {
+    let failed = |reason: ImageError| PictureError::Read { file: file.to_owned(), reason };
+    let reader = std::fs::File::open(file).map_err(|e| failed(ImageError::IoError(e)))?;
+    let decoder = OpenExrDecoder::new(io::BufReader::new(reader)).map_err(failed)?;
+    let picture = DynamicImage::from_decoder(decoder).map_err(failed)?.into_rgba32f();
+    let size = [picture.width(), picture.height()];
+    Ok((size, picture.pixels().map(|p| p.0).collect()))
+}
+
+/// Writes a text beside a picture, whole or not at all.
+///
+/// # Errors
+/// Where it cannot be written.
+pub fn write_text(file: &Path, text: &str) -> Result<(), PictureError> {
+    replace(file, |w| w.write_all(text.as_bytes()).map_err(ImageError::IoError))
 }
 
 fn check(file: &Path, [width, height]: [u32; 2], got: usize) -> Result<(), PictureError> {

@@ -35,6 +35,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
             .constant("SOURCE_STRIDE", step.stride.0)
             .constant("TARGET_STRIDE", step.stride.1)
             .constant("CURVATURE", u32::from(s.curvature))
+            .constant("TURN", index as u32 % 2)
             .bind("normal", s.shading_normal())
             .bind("source", format!("soft{source}"))
             .bind("target", target)

@@ -1,8 +1,9 @@
 //! Runs one screen kernel on a G-buffer that the host made.
 use ash::vk;
 use gpu_allocator::MemoryLocation;
-use pdss::gpu::commands::{Bound, Guarded, Recorder};
+use pdss::gpu::commands::{Guarded, Recorder};
 use pdss::gpu::image::{Image, ImageDesc};
+use pdss::gpu::pass::Bound;
 use pdss::gpu::pipeline::Pipeline;
 use pdss::gpu::timing::{Timer, TimingMode};
 use pdss::gpu::usage::State;

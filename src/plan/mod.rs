@@ -4,11 +4,13 @@
 
 use crate::gpu::image::ImageDesc;
 use crate::gpu::pipeline::Raster;
-use crate::gpu::usage::{Barrier, State, Usage};
-use crate::shaders::{BindingKind, Shader};
+use crate::gpu::usage::{Barrier, Usage};
+use crate::shaders::Shader;
 use crate::targets;
 use ash::vk;
 use std::collections::BTreeMap;
+
+mod finish;
 
 /// What cannot be planned; a fault of a stage or a shader, not of the input.
 #[derive(Debug, thiserror::Error)]
@@ -242,166 +244,6 @@ impl Plan {
         self.pass(name, Work::Clear { image: image.to_owned(), value });
     }
 
-    /// Decides accesses, lifetimes, shared memory and barriers.
-    ///
-    /// # Errors
-    /// Where a shader names a resource that is not there, or reads one that nobody has written.
-    pub fn finish(&mut self) -> Result<(), PlanError> {
-        for index in 0..self.passes.len() {
-            let accesses = self.accesses(index)?;
-            for (name, usage) in &accesses {
-                if let Some(t) = self.targets.get_mut(name) {
-                    if t.lifetime.0 == usize::MAX && !usage.access().discards && !name.starts_with("absent") {
-                        return Err(PlanError::Unwritten {
-                            pass: self.passes[index].name.clone(),
-                            resource: name.clone(),
-                        });
-                    }
-                    t.lifetime = (t.lifetime.0.min(index), t.lifetime.1.max(index));
-                    t.desc.usage |= image_usage(*usage);
-                }
-            }
-            self.passes[index].accesses = accesses;
-        }
-        let unused: Vec<String> =
-            self.targets.iter().filter(|(_, t)| t.lifetime.0 == usize::MAX).map(|(n, _)| n.clone()).collect();
-        for name in unused {
-            self.targets.remove(&name);
-        }
-        let tenants = self.share_memory();
-        self.place_barriers(&tenants);
-        Ok(())
-    }
-
-    /// What a pass touches, from its shader and attachments.
-    fn accesses(&mut self, index: usize) -> Result<Vec<(String, Usage)>, PlanError> {
-        let pass = self.passes[index].clone();
-        let mut list: Vec<(String, Usage)> = Vec::new();
-        let shaders: Vec<&'static Shader> = match &pass.work {
-            Work::Compute { shader, domain } => {
-                if let Domain::Tiles(buffer) = domain {
-                    list.push(((*buffer).to_owned(), Usage::Indirect));
-                }
-                vec![shader]
-            }
-            Work::Raster { vertex, fragment, colors, depth, .. } => {
-                list.extend(colors.iter().map(|(name, _)| (name.clone(), Usage::ColorAttachment)));
-                list.push((depth.0.clone(), Usage::DepthAttachment));
-                std::iter::once(*vertex).chain(*fragment).collect()
-            }
-            Work::Update { buffers, .. } => return Ok(buffers.iter().map(|b| (b.clone(), Usage::CopyTo)).collect()),
-            Work::Clear { image, .. } => return Ok(vec![(image.clone(), Usage::CopyTo)]),
-        };
-        let compute = matches!(pass.work, Work::Compute { .. });
-        for b in shaders.iter().flat_map(|s| s.bindings) {
-            let mut name = pass.aliases.get(b.name).cloned().unwrap_or_else(|| b.name.to_owned());
-            if self.external.contains(&name) {
-                continue;
-            }
-            let usage = match (b.kind, compute, b.read, b.write) {
-                (BindingKind::SampledImage, true, ..) => Usage::ComputeSampled,
-                (BindingKind::SampledImage, false, ..) => Usage::FragmentSampled,
-                (BindingKind::Uniform, true, ..) => Usage::ComputeUniform,
-                (BindingKind::Uniform, false, ..) => Usage::GraphicsUniform,
-                (_, false, ..) => Usage::GraphicsRead,
-                (_, true, true, false) => Usage::ComputeRead,
-                (BindingKind::StorageImage, true, false, true) => Usage::ComputeWrite,
-                (_, true, ..) => Usage::ComputeReadWrite,
-            };
-            if name.is_empty() {
-                name = self.placeholder(b.kind, b.format);
-                self.passes[index].aliases.insert(b.name, name.clone());
-            }
-            if !self.targets.contains_key(&name) && !self.buffers.contains_key(&name) {
-                return Err(PlanError::Unknown { pass: pass.name, resource: name });
-            }
-            if !list.iter().any(|(n, u)| *n == name && *u == usage) {
-                list.push((name, usage));
-            }
-        }
-        Ok(list)
-    }
-
-    /// A texel to bind where a specialised shader names a resource that it will not read.
-    fn placeholder(&mut self, kind: BindingKind, format: vk::Format) -> String {
-        let sampled = kind == BindingKind::SampledImage;
-        let format = if sampled { vk::Format::R8G8B8A8_UNORM } else { format };
-        let name = format!("absent {} {format:?}", if sampled { "sampled" } else { "storage" });
-        if !self.targets.contains_key(&name) {
-            self.image_as(&name, format, [1, 1], 1);
-        }
-        name
-    }
-
-    /// Gives each transient image a block; images whose lifetimes do not meet may share one. Returns, for each image, the
-    /// earlier tenants of its block.
-    fn share_memory(&mut self) -> BTreeMap<String, Vec<String>> {
-        let size = |t: &TargetPlan| {
-            u64::from(t.desc.size[0])
-                * u64::from(t.desc.size[1])
-                * u64::from(t.desc.layers)
-                * texel_bytes(t.desc.format)
-        };
-        let mut order: Vec<(String, u64)> = self.targets.iter().map(|(n, t)| (n.clone(), size(t))).collect();
-        order.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
-        let mut blocks: Vec<Vec<String>> = Vec::new();
-        for (name, _) in order {
-            let me = &self.targets[&name];
-            let (first, last, kept, depth) =
-                (me.lifetime.0, me.lifetime.1, me.kept, me.desc.aspect() == vk::ImageAspectFlags::DEPTH);
-            let fits = |tenants: &Vec<String>| {
-                tenants.iter().all(|t| {
-                    let t = &self.targets[t];
-                    let same_kind = (t.desc.aspect() == vk::ImageAspectFlags::DEPTH) == depth;
-                    let apart = t.lifetime.1 < first || last < t.lifetime.0;
-                    same_kind && apart && !t.kept && !kept
-                })
-            };
-            let block = blocks.iter().position(fits).unwrap_or(blocks.len());
-            if block == blocks.len() {
-                blocks.push(Vec::new());
-            }
-            blocks[block].push(name.clone());
-            if let Some(t) = self.targets.get_mut(&name) {
-                t.block = block;
-            }
-        }
-        let mut tenants = BTreeMap::new();
-        for block in &blocks {
-            for name in block {
-                tenants.insert(name.clone(), block.iter().filter(|n| *n != name).cloned().collect());
-            }
-        }
-        tenants
-    }
-
-    /// Walks the frame twice: the first round finds how each resource ends a frame, the second starts from there, so that
-    /// a frame may follow another without the host between them.
-    fn place_barriers(&mut self, tenants: &BTreeMap<String, Vec<String>>) {
-        let mut states: BTreeMap<String, State> = BTreeMap::new();
-        for _ in 0..2 {
-            let mut first_use: BTreeMap<String, bool> = BTreeMap::new();
-            for pass in &mut self.passes {
-                pass.barriers.clear();
-                for (name, usage) in &pass.accesses {
-                    let image = self.targets.contains_key(name);
-                    let known = states.get(name).copied().unwrap_or(State::NEW);
-                    let mut state = known;
-                    if image && !std::mem::replace(first_use.entry(name.clone()).or_insert(false), true) {
-                        state = state.reborn();
-                        for other in tenants.get(name).into_iter().flatten() {
-                            state = state.and(states.get(other).unwrap_or(&State::NEW));
-                        }
-                    }
-                    if let Some(barrier) = state.next(*usage, image) {
-                        pass.barriers.push((name.clone(), barrier));
-                    }
-                    states.insert(name.clone(), state);
-                }
-            }
-        }
-    }
-
     /// Bytes of device memory for the frame's images: what the blocks take, and what they would take unshared.
     pub fn bytes(&self) -> (u64, u64) {
         let mut blocks: BTreeMap<usize, u64> = BTreeMap::new();
@@ -443,20 +285,6 @@ impl Pass {
     pub fn push<T: bytemuck::NoUninit>(&mut self, value: &T) -> &mut Self {
         self.push = bytemuck::bytes_of(value).to_vec();
         self
-    }
-}
-
-fn image_usage(usage: Usage) -> vk::ImageUsageFlags {
-    match usage {
-        Usage::ComputeRead | Usage::ComputeWrite | Usage::ComputeReadWrite | Usage::GraphicsRead => {
-            vk::ImageUsageFlags::STORAGE
-        }
-        Usage::ComputeSampled | Usage::FragmentSampled => vk::ImageUsageFlags::SAMPLED,
-        Usage::ColorAttachment => vk::ImageUsageFlags::COLOR_ATTACHMENT,
-        Usage::DepthAttachment => vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
-        Usage::CopyFrom => vk::ImageUsageFlags::TRANSFER_SRC,
-        Usage::CopyTo => vk::ImageUsageFlags::TRANSFER_DST,
-        _ => vk::ImageUsageFlags::empty(),
     }
 }
 

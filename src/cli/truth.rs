@@ -1,0 +1,169 @@
+//! `pdss truth`: the converged answer, with its own error.
+
+use super::args::View;
+use super::failure::Failure;
+use super::{print, say};
+use clap::Args;
+use pdss::frame::Output;
+use pdss::report::picture;
+use pdss::truth::{self, Effort, Truth as Answer, Window, metrics};
+use std::io::{self, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+/// Options of `pdss truth`.
+#[derive(Debug, Args)]
+pub struct Truth {
+    #[command(flatten)]
+    view: View,
+    /// The picture, .exr: linear, A = coverage. Its error is written beside it as .json, its bands as .bands.exr.
+    #[arg(long, short, value_name = "FILE")]
+    output: PathBuf,
+    /// Only this window of the picture, pixels.
+    #[arg(long, value_name = "X,Y,W,H", value_parser = parse_window)]
+    crop: Option<Window>,
+    /// Surface samples of the far part of the integral.
+    #[arg(long, value_name = "N", default_value_t = Effort::default().samples,
+        value_parser = parse_count)]
+    samples: usize,
+    /// Error of a pixel above which its near part is integrated again with more rays.
+    #[arg(long, value_name = "E", default_value_t = Effort::default().max_error, value_parser = parse_error)]
+    max_error: f64,
+    /// Size of what counts as one point, as a part of its distance.
+    #[arg(long, value_name = "X", default_value_t = Effort::default().opening, value_parser = parse_error)]
+    opening: f64,
+}
+
+/// What is written beside the picture.
+#[derive(serde::Serialize)]
+struct Record<'a> {
+    schema: u32,
+    method: &'static str,
+    scene: &'a str,
+    profile: Option<&'a str>,
+    size: [u32; 2],
+    window: Window,
+    shadows: bool,
+    lights: usize,
+    effort: Effort,
+    error: truth::Estimate,
+    samples: usize,
+    refined_pixels: usize,
+    covered_pixels: usize,
+    band_pixels: Vec<(&'static str, usize)>,
+    kernel_mass_p5_p50_p95: [f64; 3],
+    near_and_reach_mm: [f64; 2],
+    seconds: f64,
+    warnings: &'a [String],
+}
+
+impl Truth {
+    /// Integrates, and writes picture, bands and record.
+    pub fn run(&self) -> Result<(), Failure> {
+        if picture::format_of(&self.output)? != picture::Format::Exr {
+            return Err(Failure::Input(format!("{}: truth is written as .exr", self.output.display())));
+        }
+        let stage = self.view.load()?;
+        let inputs = stage.inputs(None, Output::Linear);
+        let effort = Effort { samples: self.samples, max_error: self.max_error, opening: self.opening };
+        let progress = Progress::new();
+        let answer = truth::solve(&inputs, self.crop, &effort, |thousandths| progress.show(thousandths))
+            .map_err(|e| Failure::Input(e.to_string()))?;
+        drop(progress);
+        for warning in &answer.warnings {
+            say(&format!("warning: {warning}"));
+        }
+        let size = [answer.window.width, answer.window.height];
+        let bands = metrics::bands_picture(&answer.bands, &answer.pixels);
+        let record = Record {
+            schema: 1,
+            method: "truth",
+            scene: &stage.name,
+            profile: stage.profile.as_ref().map(|p| p.name.as_str()),
+            size: stage.size(),
+            window: answer.window,
+            shadows: !stage.settings.no_shadows,
+            lights: stage.lights.len(),
+            effort,
+            error: answer.error,
+            samples: answer.samples,
+            refined_pixels: answer.refined,
+            covered_pixels: answer.pixels.iter().filter(|p| p[3] > 0.).count(),
+            band_pixels: metrics::BANDS
+                .iter()
+                .map(|(name, bit)| (*name, answer.bands.iter().filter(|b| *b & bit != 0).count()))
+                .collect(),
+            kernel_mass_p5_p50_p95: answer.mass,
+            near_and_reach_mm: answer.radii_mm,
+            seconds: answer.seconds,
+            warnings: &answer.warnings,
+        };
+        let text = serde_json::to_string_pretty(&record).map_err(|e| Failure::Run(format!("writing JSON: {e}")))?;
+        picture::write_exr(&self.output.with_extension("bands.exr"), size, &bands)?;
+        picture::write_text(&self.output.with_extension("json"), &(text + "\n"))?;
+        picture::write_exr(&self.output, size, &answer.pixels)?;
+        print(&summary(&self.output, &answer))
+    }
+}
+
+fn summary(file: &Path, a: &Answer) -> String {
+    format!(
+        "{}: rms error {:.2e} (noise {:.2e}, p99 {:.2e}; tree {:.2e}), {} samples, {} pixels refined, {:.1} s\n",
+        file.display(),
+        a.error.rms,
+        a.error.noise,
+        a.error.noise_p99,
+        a.error.tree,
+        a.samples,
+        a.refined,
+        a.seconds
+    )
+}
+
+/// A line on a terminal that is written over; nothing in a pipe.
+struct Progress {
+    shown: Option<Mutex<usize>>,
+}
+
+impl Progress {
+    fn new() -> Self {
+        Self { shown: io::stderr().is_terminal().then(|| Mutex::new(usize::MAX)) }
+    }
+
+    fn show(&self, thousandths: usize) {
+        let Some(shown) = &self.shown else { return };
+        // Somebody else is already saying so.
+        let Ok(mut last) = shown.try_lock() else { return };
+        if *last != thousandths / 10 {
+            *last = thousandths / 10;
+            let _ = write!(io::stderr(), "\r\x1b[2Ktruth: {} %", *last);
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if self.shown.is_some() {
+            let _ = write!(io::stderr(), "\r\x1b[2K");
+        }
+    }
+}
+
+fn parse_window(text: &str) -> Result<Window, String> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(|t| t.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some([x, y, w, h]) if *w > 0 && *h > 0 => Ok(Window { x: *x, y: *y, width: *w, height: *h }),
+        _ => Err("that is not x,y,width,height in pixels; 100,80,64,64 would be".to_owned()),
+    }
+}
+
+fn parse_count(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|n| (1000..=200_000_000).contains(n))
+        .ok_or_else(|| "samples are 1000 to 200000000".to_owned())
+}
+
+fn parse_error(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x| *x > 0. && *x <= 1.).ok_or_else(|| "that is not above 0 and at most 1".to_owned())
+}
