@@ -47,8 +47,10 @@ fn invariants() {
     let gpu = studio::open();
     let mut wrong = Vec::new();
     for (name, check) in CHECKS {
-        println!("{name}");
-        for Outcome { text, holds, can_fail } in check(&gpu) {
+        let start = std::time::Instant::now();
+        let outcomes = check(&gpu);
+        println!("{name}: {:.1} s", start.elapsed().as_secs_f64());
+        for Outcome { text, holds, can_fail } in outcomes {
             println!("  {text}{}", if holds { "" } else { "   FAILS" });
             if !holds {
                 wrong.push(format!("{name}: {text}"));
