@@ -98,7 +98,7 @@ pub fn leak(gpu: &Arc<Gpu>) -> Vec<Outcome> {
     let behind = |gap: f32| (Vec3::new(40. * cos - 0.4, 0., -40. * sin - gap), 0.8);
     let mut all = Vec::new();
     for method in SCATTERING {
-        for quality in [Quality::Low, Quality::High, Quality::Ultra] {
+        for quality in [Quality::Low, Quality::Ultra] {
             for (lit, direction) in [("behind", Vec3::new(1., 0., -0.2)), ("front", Vec3::new(-0.9, 0., 0.6))] {
                 let draw = |list: &[(Vec3, f32)]| {
                     let mut set = Set::new("shape:plane", 200., settings(method, View::Scatter, [128, 96]));
