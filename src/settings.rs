@@ -19,14 +19,14 @@ pub enum Method {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quality {
-    /// Quarter resolution, fewest passes.
+    /// One wide level, as coarse as its width allows, down to a quarter.
     Low,
-    /// Half resolution.
+    /// Two wide levels, down to a quarter.
     Medium,
-    /// Half resolution for wide levels of the profile, all levels.
+    /// All levels, wide ones at half resolution.
     #[default]
     High,
-    /// Full resolution, two passes a level.
+    /// All levels at full resolution, a pass more each, shadow maps of twice the size.
     Ultra,
 }
 

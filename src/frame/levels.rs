@@ -119,8 +119,8 @@ impl Levels {
     /// Coarser texels for wider levels: a level is smooth over its own sigma.
     fn strides(&mut self, settings: &Settings, pixels: Magnification) {
         let fixed = settings.resolution.map(Resolution::stride);
-        // A texel beyond a silhouette has nothing to interpolate from: at a stride of four the widest level loses a visible
-        // rim of back-lit skin (214 pixels of a 640 x 720 ear against 16 at two), so high quality stops at two.
+        // Beyond a silhouette a coarse texel has nothing to interpolate from, so high quality stops at a stride of two: at four
+        // pdss on a small torus loses a tenth (.0219 rms against .0197).
         let (texels_per_sigma, coarsest) = match settings.quality {
             Quality::Low => (0.8, 4),
             Quality::Medium => (1.2, 4),

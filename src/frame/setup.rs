@@ -13,7 +13,7 @@ use glam::Vec3;
 pub enum Output {
     /// Tone-mapped, 8 bit, sRGB.
     Ldr,
-    /// Linear, 32-bit float, untouched by exposure curves.
+    /// Linear, 32-bit float, exposed but not tone-mapped.
     Linear,
 }
 

@@ -1,6 +1,7 @@
 //! shadow: meshes -> shadow. One depth-only pass a layer: one a directional or spot light, six a point light.
 
 use crate::frame::setup::Setup;
+use crate::frame::uniforms::MAX_LAYERS;
 use crate::gpu::pipeline::Raster;
 use crate::plan::{Geometry, Plan};
 use crate::{shaders, targets};
@@ -12,6 +13,10 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     if layers == 0 {
         plan.leave_out("shadow", s.shadows.why_none, 0);
         return;
+    }
+    if s.shadows.beyond > 0 {
+        let why = format!("{MAX_LAYERS} shadow layers are the limit: these lights shine through");
+        plan.leave_out(&format!("shadows of {} lights", s.shadows.beyond), why, 0);
     }
     let format = targets::describe("shadow").map_or(vk::Format::D32_SFLOAT, |t| t.format);
     plan.image_as("shadow", format, [s.shadows.size; 2], layers);
