@@ -68,10 +68,6 @@ Sample fetch(ivec2 texel) {
     return s;
 }
 
-ivec2 representative(ivec2 texel, int stride) {
-    return min(texel * stride + stride / 2, frame.size - 1);
-}
-
 // One tap: where it lands is a whole pixel, so its weight is corrected for where that is.
 struct Kernel {
     ivec2 pixel;

@@ -75,7 +75,7 @@ struct Footprint {
 
 Footprint footprint(ivec2 pixel, vec3 p0, vec3 n, int stride) {
     Footprint f;
-    vec2 at = (vec2(pixel) - float(stride / 2)) / float(stride);
+    vec2 at = (vec2(pixel) - float(min(stride / 2, 1))) / float(stride);
     vec2 base = floor(at), t = at - base;
     ivec2 last = (frame.size + stride - 1) / stride - 1;
     float reach = float(stride) / frame.pixels_per_mm * mix(1., -p0.z, frame.perspective);
@@ -83,7 +83,7 @@ Footprint footprint(ivec2 pixel, vec3 p0, vec3 n, int stride) {
     for (int i = 0; i < 4; ++i) {
         ivec2 corner = ivec2(i & 1, i >> 1);
         f.texel[i] = clamp(ivec2(base) + corner, ivec2(0), last);
-        ivec2 seat = min(f.texel[i] * stride + stride / 2, frame.size - 1);
+        ivec2 seat = representative(f.texel[i], stride);
         float z = -imageLoad(viewz, seat).x;
         vec2 b = mix(1. - t, t, vec2(corner));
         float off = dot(view_position(seat, max(z, 1e-20)) - p0, n) / reach;

@@ -26,7 +26,7 @@ void main() {
     for (int y = 0; y < 8; ++y) {
         for (int x = 0; x < 8; ++x) {
             // Beyond the border the last pixel is looked at again: it changes nothing.
-            ivec2 p = min((tile * 8 + ivec2(x, y)) * STRIDE + STRIDE / 2, frame.size - 1);
+            ivec2 p = representative(tile * 8 + ivec2(x, y), STRIDE);
             float z = imageLoad(viewz, p).x;
             lowest = min(lowest, z);
             highest = max(highest, z);

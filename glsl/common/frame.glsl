@@ -42,3 +42,9 @@ vec3 view_position(ivec2 pixel, float z) {
 vec3 view_direction(vec3 position) {
     return frame.perspective > .5 ? normalize(-position) : vec3(0., 0., 1.);
 }
+
+// The pixel that speaks for a texel of `stride` x `stride` pixels. The same pixel speaks for the finer texel that holds it:
+// a level that reads a finer one finds its own pixel's texel written, at silhouettes too.
+ivec2 representative(ivec2 texel, int stride) {
+    return min(texel * stride + min(stride / 2, 1), frame.size - 1);
+}
