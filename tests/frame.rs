@@ -128,7 +128,7 @@ fn check(gpu: &Arc<Gpu>, name: &str, set: &Set) -> Option<String> {
 
 fn torus(method: Method, view: View, kind: &str) -> Set {
     let mut settings = studio::settings(method, view, SIZE);
-    settings.no_shadows = kind == "no shadows";
+    (settings.quality, settings.no_shadows) = (Quality::Low, kind == "no shadows");
     let mut set = Set::new("shape:torus:70,25", 420., settings);
     set.lights = lights(kind);
     set

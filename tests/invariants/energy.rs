@@ -1,6 +1,6 @@
 //! A sphere under one distant light, whose exitance is known in closed form.
 use crate::Outcome;
-use crate::studio::{Set, settings, wax};
+use crate::studio::{Picture, Set, settings, wax};
 use glam::Vec3;
 use pdss::gpu::Gpu;
 use pdss::scene::{Camera, Light, LightKind};
@@ -13,16 +13,35 @@ const SIZE: [u32; 2] = [128, 128];
 /// pdss sums to 1.007, moments to 1.011.
 const RIM: f64 = 0.6;
 
-/// Cosine to the light, cosine to the eye, exitance, of each pixel of a sphere in a parallel view along z.
-fn look(gpu: &Arc<Gpu>, method: Method, radius: f64, light: [f64; 2], shadows: bool) -> Vec<(f64, f64, [f64; 3])> {
-    let mut set = Set::new(&format!("shape:sphere:{radius}"), 10. * radius, settings(method, View::Normal, SIZE));
+/// A sphere in a parallel view along z.
+fn ball(method: Method, radius: f64) -> Set {
+    let mut set = Set::new(&format!("shape:sphere:{radius}"), 10. * radius, settings(method, View::Scatter, SIZE));
     set.camera =
         Camera::orbit(0., 0., 10. * radius, None, 30., &set.scene).with_orthographic(2.2 * radius as f32, &set.scene);
+    set
+}
+
+/// Its normals, which no light changes.
+fn normals(gpu: &Arc<Gpu>, radius: f64) -> Picture {
+    let mut set = ball(Method::Lambert, radius);
+    set.settings.view = View::Normal;
+    set.settings.no_shadows = true;
+    set.linear(gpu)
+}
+
+/// Cosine to the light, cosine to the eye, exitance, of each of its pixels.
+fn look(
+    gpu: &Arc<Gpu>,
+    normal: &Picture,
+    method: Method,
+    radius: f64,
+    light: [f64; 2],
+    shadows: bool,
+) -> Vec<(f64, f64, [f64; 3])> {
+    let mut set = ball(method, radius);
     set.lights = vec![Light::directional(light[0], light[1], 1.)];
     set.settings.no_shadows = !shadows;
     let LightKind::Directional { direction } = set.lights[0].kind else { return Vec::new() };
-    let normal = set.linear(gpu);
-    set.settings.view = View::Scatter;
     let picture = set.linear(gpu);
     let pixel = |i: usize| {
         let n = Vec3::from_slice(&normal.texels[i][..3]);
@@ -44,8 +63,9 @@ pub fn sphere(gpu: &Arc<Gpu>) -> Vec<Outcome> {
         // The widest Gaussian is 4 mm wide. At 10 mm the screen hides much of what it gathers from, and that dominates; at
         // 40 mm nothing does but 16-bit levels.
         for (radius, bounds) in [(10., [1.2e-2, 6e-2]), (40., [5e-4, 4e-3])] {
+            let normal = normals(gpu, radius);
             for shadows in [false, true] {
-                let pixels = look(gpu, method, radius, [75., 20.], shadows);
+                let pixels = look(gpu, &normal, method, radius, [75., 20.], shadows);
                 let against = |r: f64| {
                     let one = |(mu, _, got): &(f64, f64, [f64; 3])| {
                         let want = sphere::exitance_normalised(*mu, r, &gaussians);
@@ -70,6 +90,7 @@ pub fn sphere(gpu: &Arc<Gpu>) -> Vec<Outcome> {
 pub fn conserved(gpu: &Arc<Gpu>) -> Vec<Outcome> {
     const BINS: usize = 80;
     let mut all = Vec::new();
+    let normal = normals(gpu, 20.);
     for (method, shadows, bound) in [
         (Method::Lambert, false, 2e-3),
         (Method::Pdss, false, 8e-3),
@@ -79,7 +100,7 @@ pub fn conserved(gpu: &Arc<Gpu>) -> Vec<Outcome> {
     ] {
         let mut bins = vec![([0f64; 3], 0f64); BINS];
         for light in [[0., 0.], [180., 0.], [90., 0.]] {
-            for (mu, facing, e) in look(gpu, method, 20., light, shadows) {
+            for (mu, facing, e) in look(gpu, &normal, method, 20., light, shadows) {
                 if facing > RIM {
                     let at = (((mu + 1.) / 2. * BINS as f64) as usize).min(BINS - 1);
                     (0..3).for_each(|c| bins[at].0[c] += e[c]);
