@@ -18,9 +18,10 @@ float shadow_visibility(Light light, vec3 position, vec3 normal, vec3 l, mat3 wo
         if (light.kind == LIGHT_POINT) layer += shadow_face(world_from_view * d);
     }
     // The receiver is lifted along its own normal by what the filter's footprint can rise on a slope: no constant bias, so
-    // thin parts keep their contact.
+    // thin parts keep their contact. Less, .3 + .8 s, and a sphere shades itself; more, 1 + 2.5 s, and light leaks under
+    // every eave: rms of a shadowed head .0118 -> .0165.
     float c = clamp(dot(normal, l), 0., 1.);
-    vec3 p = position + normal * (texel * (1. + 2.5 * sqrt(1. - c * c)));
+    vec3 p = position + normal * (texel * (.5 + 1.5 * sqrt(1. - c * c)));
     vec4 q = lights.shadow_from_view[layer] * vec4(p, 1.);
     vec3 s = q.xyz;
     if (!ALL_DIRECTIONAL) {
