@@ -180,7 +180,7 @@ pub struct Settings {
     /// No ambient occlusion from curvature.
     #[arg(long)]
     pub no_ao: bool,
-    /// Run everything, needed or not.
+    /// Leave nothing out that a scene does not need: empty tiles, curvature, ambient light, texture coordinates, point lights.
     #[arg(long)]
     pub no_elide: bool,
     /// Picture size in pixels.

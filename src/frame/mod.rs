@@ -106,10 +106,20 @@ impl Renderer {
     /// # Errors
     /// Where a view cannot be shown, memory gives out, or the driver refuses.
     pub fn new(gpu: &Arc<Gpu>, inputs: Inputs<'_>) -> Result<Renderer, FrameError> {
+        Self::edited(gpu, inputs, |_| {})
+    }
+
+    /// As [`Renderer::new`], the plan changed before anything is made from it. A plan is data: tests take a barrier out of
+    /// one and see whether anybody notices.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`], and where the changed plan does not hold together.
+    pub fn edited(gpu: &Arc<Gpu>, inputs: Inputs<'_>, edit: impl FnOnce(&mut Plan)) -> Result<Renderer, FrameError> {
         let mut times = CpuTimes::default();
         let start = Instant::now();
         let setup = Setup::new(&inputs)?;
-        let plan = methods::plan(&setup)?;
+        let mut plan = methods::plan(&setup)?;
+        edit(&mut plan);
         times.plan_ms = milliseconds(start);
         let start = Instant::now();
         let resources = Resources::new(gpu, &inputs, &setup)?;

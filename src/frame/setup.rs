@@ -87,12 +87,14 @@ impl Setup {
             Some(profile) if scatters => Levels::new(profile, settings, view.magnification),
             _ => Levels { sharp: [1.; 3], length_mm: 1., ..Levels::default() },
         };
-        let ambient = settings.ambient.up.iter().chain(&settings.ambient.down).any(|x| *x > 0.);
+        // What is left out changes no bit of the picture; without leaving out, it runs for nothing.
+        let all = settings.no_elide;
+        let ambient = all || settings.ambient.up.iter().chain(&settings.ambient.down).any(|x| *x > 0.);
         let lit = matches!(settings.view, View::Final | View::Ao);
         let ao = lit && ((ambient && !settings.no_ao) || settings.view == View::Ao) && !levels.levels.is_empty();
         let wanted = settings.view == View::Curvature || settings.view == View::SoftCurvature;
         let blurred = !levels.levels.is_empty();
-        let curvature = wanted || ao || (settings.method == Method::Pdss && blurred) || (settings.no_elide && blurred);
+        let curvature = wanted || ao || (settings.method == Method::Pdss && blurred) || (all && scatters);
         let why_no_curvature = match (scatters, settings.method) {
             (false, _) => "no material scatters",
             (_, Method::Moments) => "moments does not use curvature, and ambient occlusion is off",
@@ -122,7 +124,7 @@ impl Setup {
             output: if lit_view { inputs.output } else { Output::Linear },
             scatters,
             normal_maps: used(&|m| m.normal_texture.is_some()) && !scene.tangents.is_empty(),
-            uvs: used(&|m| m.is_textured()) && !scene.uvs.is_empty(),
+            uvs: (all || used(&|m| m.is_textured())) && !scene.uvs.is_empty(),
             levels,
             shadows,
             curvature,
@@ -130,7 +132,7 @@ impl Setup {
             ao,
             ambient,
             lights: inputs.lights.len() as u32,
-            all_directional: inputs.lights.iter().all(|l| matches!(l.kind, LightKind::Directional { .. })),
+            all_directional: !all && inputs.lights.iter().all(|l| matches!(l.kind, LightKind::Directional { .. })),
             view,
             settings: settings.clone(),
         })

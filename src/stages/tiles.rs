@@ -43,6 +43,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
             .constant("STRIDE", stride)
             .constant("SURFACE", u32::from(stride == 1))
             .constant("SCATTER", u32::from(s.scatters))
+            .constant("EVERY", u32::from(s.settings.no_elide))
             .bind("scatter_tiles", if s.scatters { scatter(stride) } else { SURFACE });
         if stride > 1 {
             // Not touched as specialised; bound to the list that is written anyway, so that nobody waits for another.

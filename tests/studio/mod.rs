@@ -110,10 +110,9 @@ impl Set {
         [self.settings.size.width as usize, self.settings.size.height as usize]
     }
 
-    /// The linear picture, drawn twice: the second run finds what the first has left behind.
+    /// The linear picture.
     pub fn try_linear(&self, gpu: &Arc<Gpu>) -> Result<Picture, FrameError> {
         let mut renderer = Renderer::new(gpu, self.inputs())?;
-        renderer.run()?;
         renderer.run()?;
         Ok(Picture { size: self.size(), texels: renderer.linear()? })
     }
