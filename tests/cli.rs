@@ -202,3 +202,58 @@ fn a_plan_explains_every_wait() -> Outcome {
     assert!(table.contains("left out") && table.contains("bytes per pixel"), "{table}");
     Ok(())
 }
+
+#[test]
+fn truth_is_written_whole_with_its_error_and_diff_reads_it_back() -> Outcome {
+    let dir = tempfile::tempdir()?;
+    let path = |name: &str| dir.path().join(name).display().to_string();
+    let (whole, window, narrow) = (path("a.exr"), path("b.exr"), path("c.exr"));
+    let solve = |more: &[&str]| {
+        let scene = ["truth", "shape:sphere:10", "--light", "60,20", "--samples", "20000"];
+        pdss(&[&scene, more].concat())
+    };
+    assert!(solve(&["--size", "24x16", "-o", &whole])?.status.success());
+    assert!(solve(&["--size", "24x16", "--crop", "8,4,8,8", "-o", &window])?.status.success());
+    assert!(solve(&["--size", "8x8", "--profile", "none", "-o", &narrow])?.status.success());
+    let record: serde_json::Value = serde_json::from_slice(&std::fs::read(path("a.json"))?)?;
+    assert_eq!((&record["schema"], &record["size"]), (&1.into(), &serde_json::json!([24, 16])));
+    assert!(record["error"]["rms"].as_f64().is_some_and(|e| e > 0. && e < 0.01), "{record}");
+    let diff = |args: &[&str]| pdss(&[&["diff"], args].concat());
+    let json = |args: &[&str]| -> Result<serde_json::Value, Box<dyn Error>> {
+        Ok(serde_json::from_slice(&diff(&[args, &["--format", "json"]].concat())?.stdout)?)
+    };
+    let same = json(&[&whole, &whole, "-o", &path("heat.png")])?;
+    assert_eq!((&same["whole"]["rmse"], &same["bands"][0][0]), (&0.0.into(), &"silhouette".into()));
+    assert!(dir.path().join("heat.png").is_file());
+    let other = json(&[&window, &narrow])?;
+    assert!(other["whole"]["rmse"].as_f64().is_some_and(|e| e > 0.01), "the twin: different pictures differ: {other}");
+    assert!(text(&diff(&[&whole, &whole])?.stdout).contains("terminator"));
+    let missing = path("none.exr");
+    let cases: [(&[&str], &str); 5] = [
+        (&[&whole, &window], "8x8"),
+        (&[&whole, &missing], "none.exr"),
+        (&[&whole, &path("a.json")], "a.json"),
+        (&[&whole, &whole, "--mask", &window], "mask"),
+        (&[&whole, &whole, "-o", &missing], ".png"),
+    ];
+    for (args, words) in cases {
+        if let Some(fault) = fault(&diff(args)?, 2, words) {
+            panic!("{args:?}: {fault}");
+        }
+    }
+    for (args, words) in
+        [(["--crop", "20,0,8,8"], "window"), (["--max-error", "0"], "above 0"), (["-o", "a.png"], ".exr")]
+    {
+        let output = path("d.exr");
+        let output: &[&str] = if args[0] == "-o" { &[] } else { &["-o", &output] };
+        if let Some(fault) = fault(&solve(&[&["--size", "24x16"], &args[..], output].concat())?, 2, words) {
+            panic!("{args:?}: {fault}");
+        }
+    }
+    assert_eq!(
+        std::fs::read_dir(dir.path())?.count(),
+        10,
+        "three truths of three files each, a map, nothing half-written"
+    );
+    Ok(())
+}

@@ -54,6 +54,14 @@ impl Sum {
         }
     }
 
+    /// Adds an area and its flux, under a kernel's value.
+    fn point(&mut self, kernel: [f64; 3], area: f64, flux: [f64; 3]) {
+        for (c, k) in kernel.into_iter().enumerate() {
+            self.lit[c] += k * flux[c];
+            self.mass[c] += k * area;
+        }
+    }
+
     /// This and another.
     pub fn plus(mut self, other: &Sum) -> Sum {
         for c in 0..3 {
@@ -145,19 +153,12 @@ impl Cloud {
             if distance - node.radius > kernel.reach || distance + node.radius < inner {
                 i = past;
             } else if node.radius <= opening * distance {
-                let k = kernel.far(distance);
-                for c in 0..3 {
-                    sum.lit[c] += k[c] * node.flux[c];
-                    sum.mass[c] += k[c] * node.area;
-                }
+                sum.point(kernel.far(distance), node.area, node.flux);
                 i = past;
             } else if node.count > 0 {
                 for speck in &self.specks[node.first as usize..(node.first + node.count) as usize] {
                     let k = kernel.far(speck.position.distance(x));
-                    for c in 0..3 {
-                        sum.lit[c] += k[c] * f64::from(speck.flux[c]);
-                        sum.mass[c] += k[c] * f64::from(speck.area);
-                    }
+                    sum.point(k, f64::from(speck.area), speck.flux.map(f64::from));
                 }
                 i = past;
             } else {

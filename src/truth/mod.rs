@@ -170,7 +170,7 @@ pub fn solve(
         .enumerate()
         .map(|(i, s)| {
             let n = done.fetch_add(1, Ordering::Relaxed);
-            if n % 1024 == 0 {
+            if n.is_multiple_of(1024) {
                 progress(100 + 900 * n / own.len());
             }
             s.map_or(Work::default(), |s| solver.pixel(s, i as u64))
