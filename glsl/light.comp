@@ -188,7 +188,6 @@ void main() {
     ng = normalize(ng);
     nb = normalize(nb);
     h = abs(h) / frame.length_mm;
-    vec2 lut_size = vec2(textureSize(lut, 0));
 #endif
 
     vec4 base = imageLoad(albedo, pixel);
@@ -213,9 +212,9 @@ void main() {
 #if METHOD == 1
         if (scatters) {
             vec3 cosine = vec3(dot(nr, l), dot(ng, l), dot(nb, l));
-            lit_here.r = textureLod(lut, lut_coordinate(cosine.r, h.r, lut_size), 0.).r;
-            lit_here.g = textureLod(lut, lut_coordinate(cosine.g, h.g, lut_size), 0.).g;
-            lit_here.b = textureLod(lut, lut_coordinate(cosine.b, h.b, lut_size), 0.).b;
+            lit_here.r = lut_look_up(lut, cosine.r, h.r, 0.);
+            lit_here.g = lut_look_up(lut, cosine.g, h.g, 1.);
+            lit_here.b = lut_look_up(lut, cosine.b, h.b, 2.);
             if (slotted) {
                 // The share that shadows leave: blurred shadowed over blurred unshadowed light of the same levels. Where
                 // both vanish nothing is cast, the surface merely turns away.

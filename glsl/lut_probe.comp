@@ -18,6 +18,6 @@ void main() {
     if (index >= uint(queries.query.length())) return;
     vec4 q = queries.query[index];
     // As light.comp does.
-    vec3 d = textureLod(lut, lut_coordinate(q.x, q.y, vec2(textureSize(lut, 0))), 0.).rgb;
+    vec3 d = vec3(lut_look_up(lut, q.x, q.y, 0.), lut_look_up(lut, q.x, q.y, 1.), lut_look_up(lut, q.x, q.y, 2.));
     answers.answer[index] = vec4(d, rectified(q.z, q.w));
 }

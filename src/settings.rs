@@ -22,9 +22,9 @@ pub enum Quality {
     /// One wide level, as coarse as its width allows, down to a quarter.
     Low,
     /// Two wide levels, down to a quarter.
+    #[default]
     Medium,
     /// All levels, wide ones at half resolution.
-    #[default]
     High,
     /// All levels at full resolution, a pass more each, shadow maps of twice the size.
     Ultra,

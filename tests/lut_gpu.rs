@@ -4,7 +4,6 @@ mod studio;
 
 use ash::vk;
 use gpu_allocator::MemoryLocation;
-use half::f16;
 use pdss::frame::uniforms::FrameBlock;
 use pdss::gpu::commands::{Guarded, Recorder};
 use pdss::gpu::image::{Image, ImageDesc, Sampler};
@@ -35,9 +34,9 @@ fn probe(gpu: &Arc<Gpu>, lut: &Lut, queries: &[[f32; 4]]) -> Vec<[f32; 4]> {
     let asked = host(gpu, "queries", bytemuck::cast_slice(queries), B::STORAGE_BUFFER);
     let bytes = size_of_val(queries) as u64;
     let answers = Buffer::new(gpu, "answers", bytes, B::STORAGE_BUFFER, MemoryLocation::GpuToCpu).expect("a buffer");
-    let halves: Vec<f16> = lut.texels.iter().flatten().map(|x| f16::from_f32(*x)).collect();
+    let (size, halves) = lut.planes();
     let staging = host(gpu, "staging", bytemuck::cast_slice(&halves), B::TRANSFER_SRC);
-    let desc = ImageDesc::new("lut", vk::Format::R16G16B16A16_SFLOAT, lut.size, I::SAMPLED | I::TRANSFER_DST);
+    let desc = ImageDesc::new("lut", vk::Format::R16_SFLOAT, size, I::SAMPLED | I::TRANSFER_DST);
     let image = Image::new(gpu, desc).expect("an image");
     let edge = [vk::SamplerAddressMode::CLAMP_TO_EDGE; 2];
     let sampler = Sampler::new(gpu, "linear", vk::Filter::LINEAR, edge, false).expect("a sampler");
@@ -45,7 +44,7 @@ fn probe(gpu: &Arc<Gpu>, lut: &Lut, queries: &[[f32; 4]]) -> Vec<[f32; 4]> {
     let mut recorder = Recorder::new(gpu, None).expect("a recorder");
     let (mut table, mut result) = (State::NEW, State::NEW);
     let before: Vec<_> = table.next(Usage::CopyTo, true).map(|b| (Guarded::Image(&image), b)).into_iter().collect();
-    recorder.pass("upload", &before).upload(&staging, &image, &[(0, lut.size)]);
+    recorder.pass("upload", &before).upload(&staging, &image, &[(0, size)]);
     let before: Vec<_> =
         table.next(Usage::ComputeSampled, true).map(|b| (Guarded::Image(&image), b)).into_iter().collect();
     result.next(Usage::ComputeWrite, false);

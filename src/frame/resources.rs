@@ -12,7 +12,6 @@ use crate::settings::Method;
 use crate::skin::lut::Lut;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
-use half::f16;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -101,11 +100,10 @@ impl Resources {
         none.desc.array = true;
         let no_shadow = uploads.image(none)?;
         let lut_pixels = lut.as_ref().map(|l| {
-            let bytes: Vec<u8> =
-                l.texels.iter().flat_map(|t| t.map(|x| f16::from_f32(x).to_le_bytes())).flatten().collect();
+            let (size, halves) = l.planes();
+            let bytes = halves.iter().flat_map(|h| h.to_le_bytes()).collect();
             let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
-            let desc = ImageDesc::new("lut", vk::Format::R16G16B16A16_SFLOAT, l.size, usage);
-            Pixels { desc, bytes, mips: vec![(0, l.size)] }
+            Pixels { desc: ImageDesc::new("lut", vk::Format::R16_SFLOAT, size, usage), bytes, mips: vec![(0, size)] }
         });
         let lut_image = lut_pixels.map(|p| uploads.image(p)).transpose()?;
         uploads.run()?;

@@ -5,16 +5,7 @@
 //! reproduce max(0, mu), which is the row of curvature 0, exactly, and every mu of a texel is a binary16 number.
 //! v runs over |curvature| / (|curvature| + knee), so that 0 and infinity are rows of the table, too.
 //!
-//! ```glsl
-//! // Where D(mu, curvature) stands in the table. curvature and knee in 1/mm; concave patches scatter as convex ones do.
-//! // size is textureSize(lut, 0); sample with linear filtering, clamp to edge, level 0.
-//! vec2 lut_coordinate(float mu, float curvature, float knee, vec2 size) {
-//!     float a = min(abs(mu), 1.0);
-//!     float t = sign(mu) * min(4.0 * a, (4.0 * a + 3.0) / 7.0);
-//!     float k = min(abs(curvature), 1e30);
-//!     return (vec2(0.5 + 0.5 * t, k / (k + knee)) * (size - 1.0) + 0.5) / size;
-//! }
-//! ```
+//! The GLSL twin is `lut_look_up` in `glsl/common/scattering.glsl`.
 
 use super::profile::{Gaussian, Profile, Shape};
 use super::ring::{self, Reading};
@@ -40,7 +31,7 @@ pub enum Integral {
     Ring,
 }
 
-/// A table over (mu, curvature), RGBA16F.
+/// A table over (mu, curvature), in binary16 on the device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lut {
     /// Texels across (mu) and down (curvature).
@@ -67,7 +58,13 @@ impl Lut {
         Lut { size: SIZE, texels: rows.collect(), knee_per_mm }
     }
 
-    /// Texture coordinates, 0..1 with texel centres at half texels, of `mu` and `curvature` (1/mm, its sign ignored).
+    /// What is uploaded: R16F, red above green above blue, `size` with three times the rows.
+    pub fn planes(&self) -> ([u32; 2], Vec<f16>) {
+        let plane = |c: usize| self.texels.iter().map(move |t| f16::from_f32(t[c]));
+        ([self.size[0], 3 * self.size[1]], (0..3).flat_map(plane).collect())
+    }
+
+    /// Texture coordinates within a plane, 0..1 with texel centres at half texels, of `mu` and `curvature` (1/mm, its sign ignored).
     pub fn coordinate(&self, mu: f64, curvature: f64) -> [f64; 2] {
         let a = mu.abs().min(1.0);
         let t = (4.0 * a).min((4.0 * a + 3.0) / 7.0).copysign(mu);
