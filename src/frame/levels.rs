@@ -68,7 +68,7 @@ impl Levels {
         let mut out = Levels { length_mm, ..Levels::default() };
         match settings.method {
             Method::Lambert => out.sharp = [1.; 3],
-            Method::Moments => out.per_gaussian(merge(fit, most_levels(settings)), pixels),
+            Method::Moments => out.per_gaussian(fit, most_levels(settings), pixels),
             Method::Pdss => out.per_channel(profile, widest, most_levels(settings), pixels),
         }
         out.strides(settings, pixels);
@@ -76,15 +76,16 @@ impl Levels {
         out
     }
 
-    /// `moments`: a level a Gaussian.
-    fn per_gaussian(&mut self, gaussians: Vec<Gaussian>, pixels: Magnification) {
-        for g in gaussians {
-            if g.variance.sqrt() * pixels.nearest < LEAST_SIGMA_PX {
-                (0..3).for_each(|c| self.sharp[c] += g.weight[c]);
-                self.below_a_pixel.push(g.variance);
-            } else {
-                self.levels.push(Level { variance: g.variance, weight: g.weight, share: [0.; 3], stride: 1 });
-            }
+    /// `moments`: a level a Gaussian, of those that a pixel can tell from a point; at most `count`.
+    fn per_gaussian(&mut self, gaussians: Vec<Gaussian>, count: u32, pixels: Magnification) {
+        let (narrow, wide): (Vec<_>, Vec<_>) =
+            gaussians.into_iter().partition(|g| g.variance.sqrt() * pixels.nearest < LEAST_SIGMA_PX);
+        for g in narrow {
+            (0..3).for_each(|c| self.sharp[c] += g.weight[c]);
+            self.below_a_pixel.push(g.variance);
+        }
+        for g in merge(wide, count) {
+            self.levels.push(Level { variance: g.variance, weight: g.weight, share: [0.; 3], stride: 1 });
         }
     }
 
@@ -176,9 +177,11 @@ impl Levels {
 
 fn most_levels(settings: &Settings) -> u32 {
     let by_quality = match (settings.method, settings.quality) {
+        (Method::Moments, Quality::Low) => 2,
+        (Method::Moments, Quality::Medium) => 3,
+        (Method::Moments, _) => MAX_LEVELS as u32,
         (_, Quality::Low) => 1,
         (_, Quality::Medium) => 2,
-        (Method::Moments, _) => MAX_LEVELS as u32,
         _ => 3,
     };
     settings.passes.map_or(by_quality, |p| {
@@ -186,16 +189,13 @@ fn most_levels(settings: &Settings) -> u32 {
     })
 }
 
-/// At most `count` Gaussians besides the narrow ones: neighbours whose union moves least energy least far are merged, their
-/// weights added and their variances averaged by weight.
+/// At most `count` Gaussians: the neighbours whose union moves least energy least far are merged, their weights added and
+/// their variances averaged by weight.
 fn merge(mut gaussians: Vec<Gaussian>, count: u32) -> Vec<Gaussian> {
     gaussians.retain(|g| g.weight.iter().any(|w| *w > 0.));
     gaussians.sort_by(|a, b| a.variance.total_cmp(&b.variance));
     let energy = |g: &Gaussian| g.weight.iter().sum::<f64>();
-    // The narrow half of a profile is the sharp term; it does not count.
-    while gaussians.iter().filter(|g| g.variance > 0.1 * gaussians.last().map_or(0., |l| l.variance)).count()
-        > count as usize
-    {
+    while gaussians.len() > count as usize {
         let cost = |i: usize| {
             let (a, b) = (&gaussians[i], &gaussians[i + 1]);
             let (ea, eb) = (energy(a), energy(b));
@@ -207,10 +207,6 @@ fn merge(mut gaussians: Vec<Gaussian>, count: u32) -> Vec<Gaussian> {
         let (ea, eb) = (energy(a), energy(&b));
         a.variance = (a.variance * ea + b.variance * eb) / (ea + eb);
         (0..3).for_each(|c| a.weight[c] += b.weight[c]);
-    }
-    while gaussians.len() > MAX_LEVELS {
-        let b = gaussians.remove(1);
-        (0..3).for_each(|c| gaussians[0].weight[c] += b.weight[c]);
     }
     gaussians
 }
