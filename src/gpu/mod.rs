@@ -1,6 +1,6 @@
 //! The GPU layer: the only unsafe code of the crate.
 //!
-//! A few fat owners (image, buffer, pipeline) hold an `Arc<Gpu>`; dropping one never waits: only [`commands::Recorded`]
+//! A few fat owners (image, buffer, pipeline) hold an `Arc<Gpu>`; dropping one never waits: only [`submit::Recorded`]
 //! waits for its fence. All synchronization is in [`usage`].
 #![allow(unsafe_code)]
 

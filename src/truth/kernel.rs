@@ -39,7 +39,7 @@ struct Rings {
 }
 
 impl Kernel {
-    /// Radius that keeps all but [`BEYOND`] of every channel's energy, mm; 0 for a delta.
+    /// Radius that keeps all but `BEYOND` of every channel's energy, mm; 0 for a delta.
     pub fn reach_of(profile: &Profile) -> f64 {
         let (mut low, mut high) = (0., 2. * profile.mean_radius_mm().into_iter().fold(0., f64::max));
         let short = |r: f64| profile.enclosed(r).iter().any(|e| *e < 1. - BEYOND);
