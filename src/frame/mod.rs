@@ -37,7 +37,7 @@ pub enum FrameError {
     #[error(transparent)]
     Plan(#[from] PlanError),
     /// A view of something that this frame does not make.
-    #[error("--view {view:?} needs {what}")]
+    #[error("--view {} needs {what}", clap::ValueEnum::to_possible_value(view).map_or_else(String::new, |v| v.get_name().to_owned()))]
     View {
         /// The view.
         view: View,

@@ -239,7 +239,15 @@ fn instance(validate: bool) -> Result<(ash::Entry, ash::Instance), GpuError> {
         info = info.enabled_layer_names(&layers).enabled_extension_names(&extensions).push_next(&mut features);
     }
     // SAFETY: all pointers in `info` outlive the call.
-    let instance = unsafe { entry.create_instance(&info, None) }.named("vkCreateInstance", "the instance")?;
+    let instance = match unsafe { entry.create_instance(&info, None) } {
+        // Some loaders already look for a driver here.
+        Err(vk::Result::ERROR_INCOMPATIBLE_DRIVER) => {
+            return Err(GpuError::NoDevice(
+                "the loader finds no driver (Debian: mesa-vulkan-drivers has a software one)".into(),
+            ));
+        }
+        other => other.named("vkCreateInstance", "the instance")?,
+    };
     Ok((entry, instance))
 }
 
