@@ -257,3 +257,19 @@ fn truth_is_written_whole_with_its_error_and_diff_reads_it_back() -> Outcome {
     );
     Ok(())
 }
+
+#[test]
+fn without_any_driver_the_exit_code_is_3() -> Outcome {
+    let no_driver = Path::new(env!("CARGO_MANIFEST_DIR")).join("no such driver.json");
+    let run = |args: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pdss"));
+        command.args(args).env("VK_DRIVER_FILES", &no_driver).env("VK_ICD_FILENAMES", &no_driver).output()
+    };
+    let out = run(&["render", "shape:plane", "-o", "never.png", "--size", "8x8"])?;
+    assert_eq!(out.status.code(), Some(3), "{}", text(&out.stderr));
+    assert!(text(&out.stderr).contains("no usable Vulkan device"), "{}", text(&out.stderr));
+    assert!(!Path::new("never.png").exists());
+    // The twin: what needs no device works without a driver.
+    assert_eq!(run(&["explain", "shape:plane"])?.status.code(), Some(0));
+    Ok(())
+}
