@@ -13,6 +13,19 @@ pub enum Method {
     Pdss,
     /// Un-normalised blurred normals and their spread, closed form per Gaussian of the profile.
     Moments,
+    /// Irradiance blurred in screen space, a separable pair of passes a Gaussian (Jimenez & Gutierrez 2010).
+    Gaussians,
+}
+
+/// Where the surface's colour acts, for methods that scatter light itself (d'Eon & Luebke 2007).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Texturing {
+    /// Where light leaves: texture stays crisp.
+    #[default]
+    Post,
+    /// Its square root where light enters, and again where it leaves: texture softens as light does.
+    PrePost,
 }
 
 /// How much work a method does; passes and resolution follow from it unless they are given.
@@ -162,6 +175,9 @@ pub struct Settings {
     /// Integral behind the look-up table of `pdss`.
     #[arg(long, value_enum, default_value_t)]
     pub integral: Integral,
+    /// Where the surface's colour acts, for methods that scatter light itself.
+    #[arg(long, value_enum, default_value_t)]
+    pub texturing: Texturing,
     /// What the picture shows.
     #[arg(long, value_enum, default_value_t)]
     pub view: View,
@@ -216,6 +232,7 @@ impl Default for Settings {
             resolution: None,
             kernels: Kernels::default(),
             integral: Integral::default(),
+            texturing: Texturing::default(),
             view: View::default(),
             tone_map: ToneMap::default(),
             exposure: 0.,

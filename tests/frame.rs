@@ -4,6 +4,7 @@
 mod studio;
 
 use ash::vk;
+use clap::ValueEnum;
 use glam::Vec3;
 use gpu_allocator::MemoryLocation;
 use pdss::frame::{FrameError, Output, Renderer};
@@ -17,7 +18,6 @@ use std::sync::Arc;
 use studio::{Picture, Set};
 
 const SIZE: [u32; 2] = [96, 64];
-const METHODS: [Method; 3] = [Method::Lambert, Method::Pdss, Method::Moments];
 const VIEWS: [View; 14] = [
     View::Final,
     View::Albedo,
@@ -89,7 +89,7 @@ fn verdict(picture: &Picture, dark: bool) -> Result<(), String> {
 fn refused(set: &Set) -> bool {
     let (s, lit) = (&set.settings, !set.lights.is_empty() && !set.settings.no_shadows);
     match s.view {
-        View::SoftNormal | View::SoftCurvature | View::Ao => s.method == Method::Lambert,
+        View::SoftNormal | View::SoftCurvature | View::Ao => !matches!(s.method, Method::Pdss | Method::Moments),
         View::Lit => !lit,
         _ => false,
     }
@@ -141,7 +141,7 @@ fn combinations() -> BTreeMap<String, Set> {
     let mut add = |what: String, set: Set| {
         drop(all.insert(format!("{:?} {:?} {what}", set.settings.method, set.settings.view), set))
     };
-    for (m, method) in METHODS.into_iter().enumerate() {
+    for (m, method) in Method::value_variants().iter().copied().enumerate() {
         for (v, view) in VIEWS.into_iter().enumerate() {
             let kind = LIGHTS[(v + 2 * m) % 6];
             let mut set = torus(method, view, kind);

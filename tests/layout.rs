@@ -76,6 +76,7 @@ fn twin(shader: &Shader, block: &Block) -> Option<Layout> {
         // Arrays of vec4, and nothing before them.
         ("lut_probe", "QueryBlock") => Layout { size: 0, members: vec![("query", 0)] },
         ("lut_probe", "AnswerBlock") => Layout { size: 0, members: vec![("answer", 0)] },
+        (_, "KernelBlock") => Layout { size: 0, members: vec![("entry", 0)] },
         _ => return None,
     })
 }

@@ -5,7 +5,7 @@ use crate::settings::{Method, Quality, Resolution, Settings};
 use crate::skin::profile::{Gaussian, Profile};
 
 /// A Gaussian whose sigma covers fewer pixels than this is not told from a point: its rms radius projects below one pixel.
-const LEAST_SIGMA_PX: f64 = 0.7;
+pub const LEAST_SIGMA_PX: f64 = 0.7;
 
 /// Each of these that a step exceeds asks for one more pass.
 const LONG_STEPS_TEXELS: [f64; 3] = [12., 24., 48.];
@@ -67,7 +67,8 @@ impl Levels {
         let length_mm = if widest > 0. { widest.sqrt() } else { 1. };
         let mut out = Levels { length_mm, ..Levels::default() };
         match settings.method {
-            Method::Lambert => out.sharp = [1.; 3],
+            // Nothing scatters, or light itself is blurred (`methods::kernel`).
+            Method::Lambert | Method::Gaussians => out.sharp = [1.; 3],
             Method::Moments => out.per_gaussian(fit, most_levels(settings), pixels),
             Method::Pdss => out.per_channel(profile, widest, most_levels(settings), pixels),
         }

@@ -21,6 +21,7 @@ pub const EXTERNAL: &[&str] = &[
     "lights",
     "shadow_world",
     "lut",
+    "kernel",
     "no shadow",
     "base_color_map",
     "metallic_roughness_map",
@@ -44,6 +45,7 @@ pub struct Resources {
     frame: Buffer,
     lights: Buffer,
     shadow_world: Buffer,
+    kernel: Option<Buffer>,
 }
 
 /// A texture made ready on the CPU: all mips in one run of bytes.
@@ -120,6 +122,8 @@ impl Resources {
         let from_world: Vec<[[f32; 4]; 4]> = s.shadows.matrices.iter().map(|m| m.to_cols_array_2d()).collect();
         let block = frame_block(inputs, s, lut.as_ref().map_or(1., |l| l.knee_per_mm as f32));
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let rows: Vec<[f32; 4]> = s.kernel.iter().map(|row| row.map(|x| x as f32)).collect();
+        let kernel = (!rows.is_empty()).then(|| constants(gpu, "kernel", bytemuck::cast_slice(&rows), storage));
         let clamp = [vk::SamplerAddressMode::CLAMP_TO_EDGE; 2];
         Ok(Resources {
             streams,
@@ -134,6 +138,7 @@ impl Resources {
             frame: constants(gpu, "frame", bytemuck::bytes_of(&block), vk::BufferUsageFlags::UNIFORM_BUFFER)?,
             lights: constants(gpu, "lights", bytemuck::bytes_of(&lights), vk::BufferUsageFlags::UNIFORM_BUFFER)?,
             shadow_world: constants(gpu, "shadow_world", bytemuck::cast_slice(&from_world), storage)?,
+            kernel: kernel.transpose()?,
         })
     }
 
@@ -151,6 +156,7 @@ impl Resources {
             "lights" => Bound::Buffer(&self.lights),
             "shadow_world" => Bound::Buffer(&self.shadow_world),
             "no shadow" => Bound::Sampled(&self.no_shadow, &self.nearest),
+            "kernel" => Bound::Buffer(self.kernel.as_ref()?),
             "lut" => Bound::Sampled(self.lut.as_ref()?, &self.linear),
             "base_color_map" => map(0),
             "metallic_roughness_map" => map(1),

@@ -1,11 +1,12 @@
 //! What a frame needs, found out from scene, camera, lights, profile and settings before anything is planned.
 
-use super::levels::{Levels, Magnification};
+use super::levels::{LEAST_SIGMA_PX, Levels, Magnification};
 use super::shadows::Shadows;
 use super::uniforms::MAX_LIGHTS;
 use super::{FrameError, Inputs};
+use crate::methods;
 use crate::scene::{Alpha, Camera, LightKind, Projection};
-use crate::settings::{Method, Settings, View};
+use crate::settings::{Method, Settings, Texturing, ToneMap, View};
 use glam::Vec3;
 
 /// What becomes of the picture.
@@ -32,8 +33,12 @@ pub struct Setup {
     pub normal_maps: bool,
     /// Some material is textured.
     pub uvs: bool,
-    /// The blur.
+    /// Some light travels further than a pixel under the surface.
+    pub diffuses: bool,
+    /// The blur of `pdss` and `moments`.
     pub levels: Levels,
+    /// What the shaders of other methods read of the profile (`methods::kernel`).
+    pub kernel: Vec<[f64; 4]>,
     /// Shadow maps and slots.
     pub shadows: Shadows,
     /// Curvature is used.
@@ -87,21 +92,30 @@ impl Setup {
             Some(profile) if scatters => Levels::new(profile, settings, view.magnification),
             _ => Levels { sharp: [1.; 3], length_mm: 1., ..Levels::default() },
         };
+        let blurred = !levels.levels.is_empty();
+        let least_sigma_mm = LEAST_SIGMA_PX / view.magnification.nearest;
+        let diffuses = match &inputs.profile {
+            Some(p) if scatters => p.gaussians().gaussians.iter().any(|g| g.variance.sqrt() >= least_sigma_mm),
+            _ => false,
+        };
+        let kernel = match &inputs.profile {
+            Some(profile) if diffuses => methods::kernel(settings.method, profile, least_sigma_mm),
+            _ => Vec::new(),
+        };
         // What is left out changes no bit of the picture; without leaving out, it runs for nothing.
         let all = settings.no_elide;
         let ambient = all || settings.ambient.up.iter().chain(&settings.ambient.down).any(|x| *x > 0.);
         let lit = matches!(settings.view, View::Final | View::Ao);
         let ao = lit && ((ambient && !settings.no_ao) || settings.view == View::Ao) && !levels.levels.is_empty();
         let wanted = settings.view == View::Curvature || settings.view == View::SoftCurvature;
-        let blurred = !levels.levels.is_empty();
         let curvature = wanted || ao || (settings.method == Method::Pdss && blurred) || (all && scatters);
         let why_no_curvature = match (scatters, settings.method) {
             (false, _) => "no material scatters",
-            (_, Method::Moments) => "moments does not use curvature, and ambient occlusion is off",
-            _ => "every level projects below a pixel",
+            (_, Method::Pdss) if !blurred => "every level projects below a pixel",
+            (_, Method::Lambert) => "nothing scatters",
+            _ => "the method does not use curvature, and no ambient occlusion does",
         };
         let soft = matches!(settings.view, View::SoftNormal | View::SoftCurvature);
-        let lit_view = matches!(settings.view, View::Final | View::Scatter | View::Irradiance | View::Ao);
         let mut shadows = Shadows::new(inputs);
         if !blurred && settings.view != View::Lit {
             // Nobody blurs visibility: lighting looks it up itself, at full precision.
@@ -121,11 +135,13 @@ impl Setup {
         }
         Ok(Setup {
             size,
-            output: if lit_view { inputs.output } else { Output::Linear },
+            output: if is_lit(settings.view) { inputs.output } else { Output::Linear },
             scatters,
             normal_maps: used(&|m| m.normal_texture.is_some()) && !scene.tangents.is_empty(),
             uvs: (all || used(&|m| m.is_textured())) && !scene.uvs.is_empty(),
+            diffuses,
             levels,
+            kernel,
             shadows,
             curvature,
             why_no_curvature,
@@ -143,6 +159,40 @@ impl Setup {
         pass.constant("LIGHTS", self.lights).constant("ALL_DIRECTIONAL", u32::from(self.all_directional));
     }
 
+    /// The picture is made by lighting, not by showing a target.
+    pub fn lit_view(&self) -> bool {
+        is_lit(self.settings.view)
+    }
+
+    /// What lighting writes, as the shaders count it: the lit picture, scattered light, irradiance, ambient visibility.
+    pub fn lit_output(&self) -> u32 {
+        match self.settings.view {
+            View::Scatter => 1,
+            View::Irradiance => 2,
+            View::Ao => 3,
+            _ => 0,
+        }
+    }
+
+    /// The tone curve, as the shaders count them.
+    pub fn tone_curve(&self) -> u32 {
+        match (self.output, self.settings.tone_map) {
+            (Output::Linear, _) => 2,
+            (_, ToneMap::Linear) => 1,
+            (_, ToneMap::Neutral) => 0,
+        }
+    }
+
+    /// The target that the picture ends in.
+    pub fn picture(&self) -> &'static str {
+        if self.output == Output::Linear { "exr" } else { "ldr" }
+    }
+
+    /// Half of the surface's colour acts before scattering.
+    pub fn pre_textured(&self) -> bool {
+        self.settings.texturing == Texturing::PrePost && self.settings.view == View::Final
+    }
+
     /// Pixels of the picture.
     pub fn pixels(&self) -> u64 {
         u64::from(self.size[0]) * u64::from(self.size[1])
@@ -152,6 +202,10 @@ impl Setup {
     pub fn shading_normal(&self) -> &'static str {
         if self.normal_maps { "bumped" } else { "normal" }
     }
+}
+
+fn is_lit(view: View) -> bool {
+    matches!(view, View::Final | View::Scatter | View::Irradiance | View::Ao)
 }
 
 impl ViewFacts {

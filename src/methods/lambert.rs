@@ -2,12 +2,12 @@
 
 use crate::frame::setup::Setup;
 use crate::plan::Plan;
-use crate::stages::{curvature, gbuffer, shadow, tiles};
+use crate::stages::{gbuffer, light, shadow, tiles};
 
-/// The frame up to lighting.
+/// The frame.
 pub fn frame(p: &mut Plan, s: &Setup) {
     shadow::add(p, s); //    meshes         -> shadow
     gbuffer::add(p, s); //   meshes         -> viewz normal albedo material bumped
     tiles::add(p, s); //     viewz          -> tile lists
-    curvature::add(p, s); // viewz normal   -> curvature   (only where a view asks)
+    light::add(p, s); //     G-buffer       -> ldr or exr
 }

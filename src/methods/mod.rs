@@ -1,13 +1,15 @@
 //! The ways to shade: one file a method, its whole frame as a list, one line a stage.
 
+mod gaussians;
 mod lambert;
 mod moments;
 mod pdss;
 
 use crate::frame::resources::EXTERNAL;
-use crate::frame::setup::{Output, Setup};
+use crate::frame::setup::Setup;
 use crate::plan::{Plan, PlanError};
-use crate::settings::{Method, View};
+use crate::settings::Method;
+use crate::skin::profile::Profile;
 use crate::stages;
 
 /// Plans the frame of a method, and the view asked for.
@@ -17,20 +19,30 @@ use crate::stages;
 pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
     let external = EXTERNAL.iter().map(|n| (*n).to_owned()).collect();
     let mut plan = Plan { external, ..Plan::default() };
-    let kept = if s.output == Output::Linear { "exr" } else { "ldr" };
+    let kept = s.picture();
     // Tiles without a surface are never visited: their colour is the clear's.
     plan.image(kept, s.size);
     plan.clear("clear", kept, [0.; 4]);
-    match s.settings.method {
+    // What projects below a pixel everywhere is a point, and nothing is left to scatter.
+    match if s.diffuses { s.settings.method } else { Method::Lambert } {
         Method::Lambert => lambert::frame(&mut plan, s),
         Method::Pdss => pdss::frame(&mut plan, s),
         Method::Moments => moments::frame(&mut plan, s),
+        Method::Gaussians => gaussians::frame(&mut plan, s),
     }
-    match s.settings.view {
-        View::Final | View::Scatter | View::Irradiance | View::Ao => stages::light::add(&mut plan, s),
-        _ => stages::view::add(&mut plan, s),
+    if !s.lit_view() {
+        stages::view::add(&mut plan, s);
     }
     plan.keep(kept);
     plan.finish()?;
     Ok(plan)
+}
+
+/// What a method's own shaders read of the profile: a few rows of four, empty where the method needs none. What projects
+/// to fewer pixels than a Gaussian of `least_sigma_mm` does is not told from a point.
+pub fn kernel(method: Method, profile: &Profile, least_sigma_mm: f64) -> Vec<[f64; 4]> {
+    match method {
+        Method::Lambert | Method::Pdss | Method::Moments => Vec::new(),
+        Method::Gaussians => gaussians::kernel(profile, least_sigma_mm),
+    }
 }

@@ -3,9 +3,9 @@
 
 use crate::frame::setup::Setup;
 use crate::plan::Plan;
-use crate::stages::{blur, curvature, gbuffer, shadow, tiles, visibility};
+use crate::stages::{blur, curvature, gbuffer, light, shadow, tiles, visibility};
 
-/// The frame up to lighting.
+/// The frame.
 pub fn frame(p: &mut Plan, s: &Setup) {
     shadow::add(p, s); //     meshes                                -> shadow
     gbuffer::add(p, s); //    meshes                                -> viewz normal albedo material bumped
@@ -13,4 +13,5 @@ pub fn frame(p: &mut Plan, s: &Setup) {
     visibility::add(p, s); // viewz normal shadow                   -> lit
     curvature::add(p, s); //  viewz normal                          -> curvature
     blur::add(p, s); //       viewz normal curvature lit            -> soft0.. softlit0..
-} //                          light: G-buffer soft softlit lut -> ldr or exr (methods::plan)
+    light::add(p, s); //      G-buffer soft softlit lut             -> ldr or exr
+}

@@ -2,50 +2,41 @@
 //! method from another. Tone mapping reads its own pixel alone, so it is part of this dispatch.
 
 use super::tiles;
-use crate::frame::setup::{Output, Setup};
+use crate::frame::setup::Setup;
 use crate::frame::uniforms::MAX_LEVELS;
 use crate::plan::{Domain, Plan};
-use crate::settings::{Method, ToneMap, View};
+use crate::settings::Method;
 use crate::shaders;
 
 const STRIDES: [&str; MAX_LEVELS] = ["STRIDE0", "STRIDE1", "STRIDE2", "STRIDE3", "STRIDE4", "STRIDE5"];
 const SOFT: [&str; MAX_LEVELS] = ["soft0", "soft1", "soft2", "soft3", "soft4", "soft5"];
 const SOFTLIT: [&str; MAX_LEVELS] = ["softlit0", "softlit1", "softlit2", "softlit3", "softlit4", "softlit5"];
 
-/// Adds the pass.
+/// Adds the pass, where the picture is a lit one.
 pub fn add(plan: &mut Plan, s: &Setup) {
-    let method = if s.levels.levels.is_empty() { Method::Lambert } else { s.settings.method };
+    if !s.lit_view() {
+        return;
+    }
+    let method = if s.diffuses { s.settings.method } else { Method::Lambert };
     let shader = match method {
-        Method::Lambert => &shaders::LIGHT_LAMBERT,
         Method::Pdss => &shaders::LIGHT_PDSS,
         Method::Moments => &shaders::LIGHT_MOMENTS,
+        _ => &shaders::LIGHT_LAMBERT,
     };
-    let target = if s.output == Output::Linear { "exr" } else { "ldr" };
-    let output = match s.settings.view {
-        View::Scatter => 1,
-        View::Irradiance => 2,
-        View::Ao => 3,
-        _ => 0,
-    };
-    let curve = match (s.output, s.settings.tone_map) {
-        (Output::Linear, _) => 2,
-        (_, ToneMap::Linear) => 1,
-        (_, ToneMap::Neutral) => 0,
-    };
-    let levels = if method == Method::Lambert { 0 } else { s.levels.levels.len() };
+    let levels = s.levels.levels.len();
     let pass = plan
         .compute("light", shader, Domain::Tiles(tiles::SURFACE))
-        .constant("OUTPUT", output)
+        .constant("OUTPUT", s.lit_output())
         .constant("LOOK_UP", u32::from(s.shadows.look_up()))
         .constant("SLOTS", u32::from(s.shadows.slots > 0))
-        .constant("CURVE", curve)
+        .constant("CURVE", s.tone_curve())
         .constant("SPECULAR", 1)
         .constant("AO", u32::from(s.ao))
         .constant("AMBIENT", u32::from(s.ambient))
         .constant("LEVELS", levels as u32)
         .constant("STRIDED", u32::from(s.levels.levels.iter().any(|l| l.stride > 1)))
         .bind("normal", s.shading_normal())
-        .bind("picture", target);
+        .bind("picture", s.picture());
     s.specialise_lights(pass);
     for i in 0..MAX_LEVELS {
         if i < levels {

@@ -4,8 +4,11 @@
 //! [`Plan`]: crate::plan::Plan
 
 pub mod blur;
+pub mod combine;
 pub mod curvature;
+pub mod gaussians;
 pub mod gbuffer;
+pub mod irradiance;
 pub mod light;
 pub mod shadow;
 pub mod tiles;

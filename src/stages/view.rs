@@ -1,13 +1,18 @@
 //! view: any target -> exr, decoded to its unit.
 
-use super::tiles;
+use super::{curvature, tiles, visibility};
 use crate::frame::setup::Setup;
 use crate::plan::{Domain, Plan};
 use crate::settings::View;
 use crate::shaders;
 
-/// Adds the pass that shows the target a view names.
+/// Adds the pass that shows the target a view names, and the target where the method does not make it.
 pub fn add(plan: &mut Plan, s: &Setup) {
+    match s.settings.view {
+        View::Curvature if !plan.has("curvature") => curvature::add(plan, s),
+        View::Lit if !plan.has("lit") => visibility::add(plan, s),
+        _ => {}
+    }
     let last = s.levels.levels.len().saturating_sub(1);
     let (shader, source) = match s.settings.view {
         View::Albedo => (&shaders::VIEW_ALBEDO, "albedo".to_owned()),

@@ -1,0 +1,56 @@
+// irradiance: G-buffer, shadow -> irradiance, reflected. The start of every method that scatters light itself: what light
+// falls on a pixel, before it scatters, and what its gloss reflects, which never does.
+//
+// irradiance = sum over lights of E max(0, n.l) visibility, plus the sky's (pi times its radiance), times the square root of
+//              the surface's colour with PRE (half of it acts before scattering, half after: d'Eon & Luebke 2007)
+// reflected  = specular radiance of lights and sky
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "common/frame.glsl"
+#include "common/octahedral.glsl"
+#include "common/tiles.glsl"
+#include "common/lights.glsl"
+#include "common/shadow.glsl"
+#include "common/specular.glsl"
+
+layout(constant_id = 0) const bool FINAL = true;         // the lit picture: with specular and ambient light
+layout(constant_id = 1) const bool SHADOWS = true;       // some light casts a shadow
+layout(constant_id = 2) const bool AMBIENT = true;
+layout(constant_id = 3) const bool PRE = false;
+
+layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
+layout(set = 0, binding = 3, r32ui) uniform readonly uimage2D normal;
+layout(set = 0, binding = 4, rgba8) uniform readonly image2D albedo;
+layout(set = 0, binding = 5, rgba8) uniform readonly image2D material;
+layout(set = 0, binding = 6, rgba16f) uniform writeonly image2D irradiance;
+layout(set = 0, binding = 7, rgba16f) uniform writeonly image2D reflected;
+
+void main() {
+    ivec2 pixel = tile_pixel();
+    if (any(greaterThanEqual(pixel, frame.size))) return;
+    float z = imageLoad(viewz, pixel).x;
+    if (z == 0.) return;
+    vec3 p = view_position(pixel, abs(z));
+    vec3 v = view_direction(p);
+    vec3 n = octahedral_decode(imageLoad(normal, pixel).x);
+    vec4 base = FINAL ? imageLoad(albedo, pixel) : vec4(1.);
+    vec4 m = FINAL ? imageLoad(material, pixel) : vec4(1., 0., 1., 0.);
+    vec3 f0 = mix(vec3(m.a * m.a), base.rgb * base.rgb, m.g);
+
+    vec3 diffuse = vec3(0.), specular = vec3(0.);
+    for (int i = 0; i < LIGHTS; ++i) {
+        Light light = lights.light[i];
+        vec3 arriving;
+        vec3 l = light_arrives(light, p, arriving);
+        if (SHADOWS && light.layer >= 0) arriving *= shadow_visibility(light, p, n, l, mat3(frame.world_from_view));
+        diffuse += max(dot(n, l), 0.) * arriving;
+        if (FINAL) specular += specular_ggx(n, v, l, m.r, f0) * arriving;
+    }
+    if (AMBIENT) {
+        vec3 sky = (frame.ambient_mean + frame.ambient_slope * dot(n, frame.up)) * m.b;
+        diffuse += PI * sky;
+        specular += specular_albedo(clamp(dot(n, v), 0., 1.), m.r, f0) * sky;
+    }
+    imageStore(irradiance, pixel, vec4(PRE && z < 0. ? diffuse * base.rgb : diffuse, 1.));
+    if (FINAL) imageStore(reflected, pixel, vec4(specular, 1.));
+}

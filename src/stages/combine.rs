@@ -1,0 +1,29 @@
+//! combine: viewz, normal, albedo, material, irradiance, scattered, reflected -> ldr or exr. The end of every method that
+//! scatters light itself.
+
+use super::tiles;
+use crate::frame::setup::Setup;
+use crate::plan::{Domain, Plan};
+use crate::settings::View;
+use crate::shaders;
+
+/// Adds the pass, where the picture is a lit one.
+pub fn add(plan: &mut Plan, s: &Setup) {
+    if !s.lit_view() {
+        return;
+    }
+    let view = s.settings.view;
+    let pass = plan
+        .compute("combine", &shaders::COMBINE, Domain::Tiles(tiles::SURFACE))
+        .constant("OUTPUT", s.lit_output())
+        .constant("PRE", u32::from(s.pre_textured()))
+        .constant("CURVE", s.tone_curve())
+        .bind("normal", s.shading_normal())
+        .bind("picture", s.picture());
+    if view != View::Final {
+        pass.absent("reflected");
+    }
+    if view == View::Irradiance {
+        pass.absent("scattered");
+    }
+}
