@@ -346,6 +346,7 @@ fn format_name(operand: &Operand) -> &'static str {
         Operand::ImageFormat(ImageFormat::Rg32ui) => "R32G32_UINT",
         Operand::ImageFormat(ImageFormat::Rgba32ui) => "R32G32B32A32_UINT",
         Operand::ImageFormat(ImageFormat::Rgba8) => "R8G8B8A8_UNORM",
+        Operand::ImageFormat(ImageFormat::Rgb10A2) => "A2B10G10R10_UNORM_PACK32",
         Operand::ImageFormat(ImageFormat::Rgba16f) => "R16G16B16A16_SFLOAT",
         Operand::ImageFormat(ImageFormat::Rgba32f) => "R32G32B32A32_SFLOAT",
         Operand::ImageFormat(ImageFormat::Unknown) => "UNDEFINED",

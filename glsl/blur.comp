@@ -1,5 +1,5 @@
 // blur: viewz, and normal + curvature + lit or a blurred level -> a wider level.
-// variants: first FIRST=1 LIT=0; first_lit FIRST=1 LIT=1; next FIRST=0 LIT=0; next_lit FIRST=0 LIT=1
+// variants: first FIRST=1 LIT=0; first_lit FIRST=1 LIT=1; next FIRST=0 LIT=0; next_lit FIRST=0 LIT=1; first_geo FIRST=1 LIT=2; next_geo FIRST=0 LIT=2
 //
 // One pass of the cross-bilateral diffusion. It widens the Gaussian by `variance` (mm^2 on the surface) with the seven-point
 // rule for a Gaussian in the plane (Radon 1948; Stroud 1971, E2 r^2 5-1): the centre weighs 1/2, a hexagon of radius
@@ -37,12 +37,20 @@ layout(set = 0, binding = 6, rg32ui) uniform writeonly uimage2D target;
 layout(set = 0, binding = 7, r32ui) uniform readonly uimage2D source_lit;
 layout(set = 0, binding = 8, r32ui) uniform writeonly uimage2D target_lit;
 #endif
+#if LIT == 2
+// The same light by the triangles' own normals, beside it.
+#define LITS vec4
+layout(set = 0, binding = 9, r32ui) uniform readonly uimage2D source_geo;
+layout(set = 0, binding = 10, r32ui) uniform writeonly uimage2D target_geo;
+#else
+#define LITS vec2
+#endif
 
 struct Sample {
     vec3 n;
     float h;
     float confidence;
-    vec2 lit;
+    LITS lit;
 };
 
 Sample fetch(ivec2 texel) {
@@ -63,7 +71,10 @@ Sample fetch(ivec2 texel) {
     s.confidence = 1.;
 #endif
 #if LIT
-    s.lit = unpackUnorm2x16(imageLoad(source_lit, texel).x);
+    s.lit.xy = unpackUnorm2x16(imageLoad(source_lit, texel).x);
+#endif
+#if LIT == 2
+    s.lit.zw = unpackUnorm2x16(imageLoad(source_geo, texel).x);
 #endif
     return s;
 }
@@ -80,7 +91,7 @@ struct Kernel {
 struct Sum {
     vec3 n;
     float weight, h, h_weight;
-    vec2 lit;
+    LITS lit;
 };
 
 void tap(inout Sum sum, Kernel k, ivec2 offset) {
@@ -164,6 +175,9 @@ void main() {
     float h = sum.h_weight > 0. ? sum.h / sum.h_weight : 0.;
     imageStore(target, texel, uvec4(level_encode(sum.n * scale_back, clamp(h, -6e4, 6e4)), 0u, 0u));
 #if LIT
-    imageStore(target_lit, texel, uvec4(packUnorm2x16(sum.lit * scale_back)));
+    imageStore(target_lit, texel, uvec4(packUnorm2x16(sum.lit.xy * scale_back)));
+#endif
+#if LIT == 2
+    imageStore(target_geo, texel, uvec4(packUnorm2x16(sum.lit.zw * scale_back)));
 #endif
 }

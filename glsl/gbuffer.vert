@@ -1,5 +1,5 @@
 // gbuffer: meshes -> depth, viewz, normal, albedo, material, bumped.
-// variants: plain UV=0 TANGENT=0; uv UV=1 TANGENT=0; tangent UV=1 TANGENT=1
+// variants: plain UV=0 TANGENT=0 MASS=0; uv UV=1 TANGENT=0 MASS=0; tangent UV=1 TANGENT=1 MASS=0; plain_mass UV=0 TANGENT=0 MASS=1; uv_mass UV=1 TANGENT=0 MASS=1; tangent_mass UV=1 TANGENT=1 MASS=1
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "common/frame.glsl"
@@ -18,6 +18,11 @@ layout(location = 3) in vec4 tangent;
 const vec4 tangent = vec4(0.);
 #endif
 
+#if MASS
+layout(location = 4) in vec4 mass;
+layout(location = 4) out vec4 out_mass;
+#endif
+
 layout(location = 0) out vec3 view_normal;
 layout(location = 1) out vec2 out_uv;
 layout(location = 2) out vec4 view_tangent;
@@ -29,5 +34,8 @@ void main() {
     view_normal = rotation * normal;
     view_distance = -(frame.view_from_world * vec4(position, 1.)).z;
     out_uv = uv;
+#if MASS
+    out_mass = mass;
+#endif
     view_tangent = vec4(rotation * tangent.xyz, tangent.w);
 }

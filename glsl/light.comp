@@ -38,6 +38,7 @@ layout(constant_id = 10) const int STRIDE3 = 1;
 layout(constant_id = 11) const int STRIDE4 = 1;
 layout(constant_id = 12) const int STRIDE5 = 1;
 layout(constant_id = 14) const int CURVE = 0;              // 0 Khronos PBR Neutral, 1 sRGB alone, 2 linear
+layout(constant_id = 15) const bool MASS = false;        // light with a slot is gathered, to be divided by the kernel's mass
 layout(constant_id = 13) const bool STRIDED = false;     // some level is coarser than the picture
 
 layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
@@ -58,6 +59,9 @@ layout(set = 0, binding = 15, r32ui) uniform readonly uimage2D softlit1;
 layout(set = 0, binding = 16, r32ui) uniform readonly uimage2D softlit2;
 layout(set = 0, binding = 17, r32ui) uniform readonly uimage2D softlit3;
 layout(set = 0, binding = 18, r32ui) uniform readonly uimage2D softlit4;
+#if METHOD == 2
+layout(set = 0, binding = 20, rgb10_a2) uniform readonly image2D mass;
+#endif
 layout(set = 0, binding = 19, r32ui) uniform readonly uimage2D softlit5;
 
 struct Level {
@@ -232,6 +236,7 @@ void main() {
                 float m = slotted ? (light.slot == 0 ? level[k].lit.x : level[k].lit.y) : moment(level[k].n, l) * shade;
                 lit_here += frame.level[k].rgb * m;
             }
+            if (MASS && slotted) lit_here *= 2. * imageLoad(mass, pixel).rgb;
         }
 #endif
         exitance += lit_here * irradiance;

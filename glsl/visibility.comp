@@ -1,4 +1,5 @@
-// visibility: viewz, normal, shadow -> lit.
+// visibility: viewz, normal, shadow -> lit, and from facet -> litgeo where light is gathered and normals stray from the surface.
+// variants: plain GEO=0; geo GEO=1
 //
 // Clamped cosine times visibility of up to two lights (those with a slot), one channel a light, before it is scattered. Not
 // visibility alone: where a surface turns away from the light its shadow map says nothing, and blurring that nothing would
@@ -15,6 +16,11 @@ layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
 layout(set = 0, binding = 3, r32ui) uniform readonly uimage2D normal;
 layout(set = 0, binding = 4, r32ui) uniform writeonly uimage2D lit;
 
+#if GEO
+layout(set = 0, binding = 5, r32ui) uniform readonly uimage2D facet;
+layout(set = 0, binding = 6, r32ui) uniform writeonly uimage2D litgeo;
+#endif
+
 void main() {
     ivec2 pixel = tile_pixel();
     if (any(greaterThanEqual(pixel, frame.size))) return;
@@ -23,14 +29,26 @@ void main() {
     vec3 position = view_position(pixel, z);
     vec3 n = octahedral_decode(imageLoad(normal, pixel).x);
     vec2 seen = vec2(0.);
+#if GEO
+    vec3 bare = octahedral_decode(imageLoad(facet, pixel).x);
+    vec2 seen_bare = vec2(0.);
+#endif
     for (int i = 0; i < LIGHTS; ++i) {
         Light light = lights.light[i];
         if (light.slot < 0) continue;
         vec3 irradiance;
         vec3 l = light_arrives(light, position, irradiance);
         float c = max(dot(n, l), 0.);
-        float v = c * shadow_visibility(light, position, n, l, mat3(frame.world_from_view));
+        float open = shadow_visibility(light, position, n, l, mat3(frame.world_from_view));
+        float v = c * open;
+#if GEO
+        float w = max(dot(bare, l), 0.) * open;
+        if (light.slot == 0) seen_bare.x = w; else seen_bare.y = w;
+#endif
         if (light.slot == 0) seen.x = v; else seen.y = v;
     }
     imageStore(lit, pixel, uvec4(packUnorm2x16(seen)));
+#if GEO
+    imageStore(litgeo, pixel, uvec4(packUnorm2x16(seen_bare)));
+#endif
 }

@@ -7,6 +7,9 @@ use crate::skin::profile::{Gaussian, Profile};
 /// A Gaussian whose sigma covers fewer pixels than this is not told from a point: its rms radius projects below one pixel.
 pub const LEAST_SIGMA_PX: f64 = 0.7;
 
+/// A Gaussian whose sigma covers fewer texels of a shadow map is not gathered from it.
+const LEAST_SIGMA_TEXELS: f64 = 3.;
+
 /// Each of these that a step exceeds asks for one more pass.
 const LONG_STEPS_TEXELS: [f64; 3] = [12., 24., 48.];
 
@@ -21,6 +24,8 @@ pub struct Level {
     pub share: [f64; 3],
     /// Pixels per texel and axis.
     pub stride: u32,
+    /// Light with a slot is gathered from the shadow map, hidden parts included, instead of blurred.
+    pub gathered: bool,
 }
 
 /// One blur pass.
@@ -86,7 +91,7 @@ impl Levels {
             self.below_a_pixel.push(g.variance);
         }
         for g in merge(wide, count) {
-            self.levels.push(Level { variance: g.variance, weight: g.weight, share: [0.; 3], stride: 1 });
+            self.levels.push(Level { variance: g.variance, weight: g.weight, share: [0.; 3], stride: 1, gathered: false });
         }
     }
 
@@ -99,7 +104,7 @@ impl Levels {
             if variance.sqrt() * pixels.nearest < LEAST_SIGMA_PX {
                 self.below_a_pixel.push(variance);
             } else {
-                self.levels.push(Level { variance, weight: [0.; 3], share: [0.; 3], stride: 1 });
+                self.levels.push(Level { variance, weight: [0.; 3], share: [0.; 3], stride: 1, gathered: false });
             }
         }
         for (c, variance) in profile.mean_variance().into_iter().enumerate() {
@@ -137,6 +142,14 @@ impl Levels {
             // A level reads the one before it, so it is never finer.
             stride = stride.max(fixed.unwrap_or(wanted));
             level.stride = stride;
+        }
+    }
+
+    /// The widest levels are gathered where a sigma covers enough texels of the shadow maps, each `texel_mm` wide.
+    pub fn gather(&mut self, texel_mm: f64) {
+        for level in &mut self.levels {
+            let sigma = level.variance.sqrt();
+            level.gathered = sigma >= (LEAST_SIGMA_TEXELS * texel_mm).max(0.25 * self.length_mm);
         }
     }
 

@@ -1,6 +1,7 @@
 //! A frame: planned, created and recorded once, submitted as often as one likes.
 
 pub mod levels;
+mod mass;
 pub mod resources;
 pub mod setup;
 pub mod shadows;

@@ -1,5 +1,6 @@
 //! What a frame reads and never writes: vertex streams, textures, tables, constants.
 
+use super::mass;
 use super::setup::Setup;
 use super::uniforms::{FrameBlock, LightBlock, MAX_LEVELS};
 use super::{FrameError, Inputs};
@@ -76,6 +77,10 @@ impl Resources {
         }
         if s.normal_maps {
             streams.push(uploads.buffer("tangents", bytemuck::cast_slice(&scene.tangents), vertex)?);
+        }
+        if s.mass {
+            let mass = mass::of_vertices(scene, &s.levels);
+            streams.push(uploads.buffer("mass", bytemuck::cast_slice(&mass), vertex)?);
         }
         let indices =
             uploads.buffer("indices", bytemuck::cast_slice(&scene.indices), vk::BufferUsageFlags::INDEX_BUFFER)?;

@@ -39,6 +39,12 @@ pub struct Setup {
     pub levels: Levels,
     /// What the shaders of other methods read of the profile (`methods::kernel`).
     pub kernel: Vec<[f64; 4]>,
+    /// Light is gathered, and divided by the kernel's mass.
+    pub mass: bool,
+    /// Gathered light lacks what shading normals add to the triangles' own; that is blurred beside it.
+    pub detail: bool,
+    /// Samples of each gathered Gaussian.
+    pub taps: u32,
     /// Shadow maps and slots.
     pub shadows: Shadows,
     /// Curvature is used.
@@ -88,7 +94,7 @@ impl Setup {
             scene.draws.iter().any(|d| d.index_count > 0 && scene.materials.get(d.material).is_some_and(test))
         };
         let scatters = inputs.profile.is_some() && used(&|m| m.scatter.is_some()) && settings.method != Method::Lambert;
-        let levels = match &inputs.profile {
+        let mut levels = match &inputs.profile {
             Some(profile) if scatters => Levels::new(profile, settings, view.magnification),
             _ => Levels { sharp: [1.; 3], length_mm: 1., ..Levels::default() },
         };
@@ -121,6 +127,14 @@ impl Setup {
             // Nobody blurs visibility: lighting looks it up itself, at full precision.
             shadows.without_slots();
         }
+        if settings.method == Method::Moments
+            && is_lit(settings.view)
+            && let Some(texel) = shadows.gatherable(&inputs.lights)
+        {
+            levels.gather(f64::from(texel));
+        }
+        let mass = levels.levels.iter().any(|l| l.gathered);
+        let normal_maps = used(&|m| m.normal_texture.is_some()) && !scene.tangents.is_empty();
         let missing = if soft && !blurred {
             Some("a blurred level; take --method pdss or moments, a scattering profile, and come closer")
         } else if settings.view == View::Lit && shadows.slots == 0 {
@@ -137,9 +151,12 @@ impl Setup {
             size,
             output: if is_lit(settings.view) { inputs.output } else { Output::Linear },
             scatters,
-            normal_maps: used(&|m| m.normal_texture.is_some()) && !scene.tangents.is_empty(),
+            normal_maps,
             uvs: (all || used(&|m| m.is_textured())) && !scene.uvs.is_empty(),
             diffuses,
+            mass,
+            detail: mass && (normal_maps || super::mass::strays(scene)),
+            taps: std::env::var("TAPS").ok().and_then(|t| t.parse().ok()).unwrap_or(64),
             levels,
             kernel,
             shadows,

@@ -74,6 +74,14 @@ impl Shadows {
         self.lights.iter_mut().for_each(|l| l.2 = -1);
     }
 
+    /// The widest texel (mm) of the lights with a slot, where every such light is directional: a light at a place does not
+    /// give each texel the same flux.
+    pub fn gatherable(&self, lights: &[Light]) -> Option<f32> {
+        let slotted = || self.lights.iter().zip(lights).filter(|(l, _)| l.2 >= 0);
+        let parallel = slotted().all(|(_, light)| matches!(light.kind, LightKind::Directional { .. }));
+        slotted().map(|(l, _)| l.1).reduce(f32::max).filter(|_| parallel)
+    }
+
     /// Some light without a slot casts a shadow: lighting must look it up.
     pub fn look_up(&self) -> bool {
         self.lights.iter().any(|l| l.0 >= 0 && l.2 < 0)

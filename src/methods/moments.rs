@@ -3,15 +3,16 @@
 
 use crate::frame::setup::Setup;
 use crate::plan::Plan;
-use crate::stages::{blur, curvature, gbuffer, light, shadow, tiles, visibility};
+use crate::stages::{blur, curvature, gather, gbuffer, light, shadow, tiles, visibility};
 
 /// The frame.
 pub fn frame(p: &mut Plan, s: &Setup) {
     shadow::add(p, s); //     meshes                                -> shadow
-    gbuffer::add(p, s); //    meshes                                -> viewz normal albedo material bumped
+    gbuffer::add(p, s); //    meshes                                -> viewz normal albedo material bumped mass
     tiles::add(p, s); //      viewz                                 -> tile lists
     visibility::add(p, s); // viewz normal shadow                   -> lit
     curvature::add(p, s); //  viewz normal                          -> curvature   (for ambient occlusion)
     blur::add(p, s); //       viewz normal curvature lit            -> soft0.. softlit0..
+    gather::add(p, s); //     viewz shadow                          -> softlit..   (wide levels)
     light::add(p, s); //      G-buffer soft softlit                 -> ldr or exr
 }

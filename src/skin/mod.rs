@@ -8,6 +8,7 @@
 //! | [`ring`] | the same on a ring, to reproduce Penner & Borshukov 2011 |
 //! | [`lut`] | either of them as a small table over (mu, curvature) that a GPU samples bilinearly |
 //! | [`moments`] | E max(0, X) of a normal variable: the closed form that needs no table |
+//! | [`mass`] | how much surface, seen or hidden, a Gaussian finds around a vertex |
 //! | [`occlusion`] | how much of the sky a concave patch of known curvature hides |
 //!
 //! Units: millimetres; variances in mm^2; curvatures in 1/mm, convex positive. `mu` is the cosine between the surface
@@ -16,6 +17,7 @@
 
 pub mod curvature;
 pub mod lut;
+pub mod mass;
 pub mod moments;
 pub mod occlusion;
 pub mod profile;

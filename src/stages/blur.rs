@@ -13,22 +13,31 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         let why = format!("sigma {:.3} mm projects below a pixel here", variance.sqrt());
         plan.leave_out("blur level", why, 8 * s.pixels());
     }
-    let seen = s.shadows.slots > 0;
+    // Light is blurred as far as the last level that is not gathered.
+    let blurred = s.levels.levels.iter().filter(|l| !l.gathered).count();
+    let last = s.levels.steps.iter().position(|x| x.level.is_some_and(|l| l + 1 == blurred));
+    let needed = |index: usize| s.detail || last.is_some_and(|l| index <= l);
     let mut source = String::new();
     for (index, step) in s.levels.steps.iter().enumerate() {
         // A pass on the way to a level writes a target that only the next pass reads.
         let stem = step.level.map_or(format!("way{index}"), |l| l.to_string());
-        let (target, visibility) = (format!("soft{stem}"), format!("softlit{stem}"));
+        let [target, visibility, geometry] = ["soft", "softlit", "softgeo"].map(|name| format!("{name}{stem}"));
+        let seen = s.shadows.slots > 0 && needed(index);
         let size = s.size.map(|x| x.div_ceil(step.stride.1));
         plan.image_as(&target, ash::vk::Format::R32G32_UINT, size, 1);
         if seen {
             plan.image_as(&visibility, ash::vk::Format::R32_UINT, size, 1);
         }
-        let shader = match (index, seen) {
-            (0, false) => &shaders::BLUR_FIRST,
-            (0, true) => &shaders::BLUR_FIRST_LIT,
-            (_, false) => &shaders::BLUR_NEXT,
-            (_, true) => &shaders::BLUR_NEXT_LIT,
+        if s.detail {
+            plan.image_as(&geometry, ash::vk::Format::R32_UINT, size, 1);
+        }
+        let shader = match (index, seen, s.detail) {
+            (0, false, _) => &shaders::BLUR_FIRST,
+            (0, true, false) => &shaders::BLUR_FIRST_LIT,
+            (0, true, true) => &shaders::BLUR_FIRST_GEO,
+            (_, false, _) => &shaders::BLUR_NEXT,
+            (_, true, false) => &shaders::BLUR_NEXT_LIT,
+            (_, true, true) => &shaders::BLUR_NEXT_GEO,
         };
         let pass = plan
             .compute(&format!("blur{index}"), shader, Domain::Tiles(tiles::scatter(step.stride.1)))
@@ -41,6 +50,8 @@ pub fn add(plan: &mut Plan, s: &Setup) {
             .bind("target", target)
             .bind("source_lit", if index == 0 { "lit".to_owned() } else { format!("softlit{source}") })
             .bind("target_lit", visibility)
+            .bind("source_geo", if index == 0 { "litgeo".to_owned() } else { format!("softgeo{source}") })
+            .bind("target_geo", geometry)
             .push(&(step.variance as f32));
         if !s.curvature {
             pass.absent("curvature");

@@ -37,6 +37,12 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         .constant("STRIDED", u32::from(s.levels.levels.iter().any(|l| l.stride > 1)))
         .bind("normal", s.shading_normal())
         .bind("picture", s.picture());
+    if method == Method::Moments {
+        pass.constant("MASS", u32::from(s.mass));
+        if !s.mass {
+            pass.absent("mass");
+        }
+    }
     s.specialise_lights(pass);
     for i in 0..MAX_LEVELS {
         if i < levels {
@@ -46,6 +52,8 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         }
         if i >= levels || s.shadows.slots == 0 {
             pass.absent(SOFTLIT[i]);
+        } else if s.levels.levels[i].gathered {
+            pass.bind(SOFTLIT[i], format!("gathered{i}"));
         }
     }
     if s.shadows.slots == 0 {

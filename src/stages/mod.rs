@@ -6,6 +6,7 @@
 pub mod blur;
 pub mod combine;
 pub mod curvature;
+pub mod gather;
 pub mod gaussians;
 pub mod gbuffer;
 pub mod irradiance;

@@ -12,6 +12,10 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         return;
     }
     plan.image("lit", s.size);
-    let pass = plan.compute("visibility", &shaders::VISIBILITY, Domain::Tiles(tiles::SURFACE));
+    let shader = if s.detail { &shaders::VISIBILITY_GEO } else { &shaders::VISIBILITY_PLAIN };
+    if s.detail {
+        plan.image("litgeo", s.size);
+    }
+    let pass = plan.compute("visibility", shader, Domain::Tiles(tiles::SURFACE));
     s.specialise_lights(pass.bind("normal", s.shading_normal()));
 }

@@ -1,0 +1,76 @@
+// gather: viewz, shadow, and with DETAIL the blurred light by shading normals and by the triangles' -> target (gathered, of one level).
+// variants: plain DETAIL=0; detail DETAIL=1
+// What a Gaussian of the profile gathers of the light that enters the
+// surface, hidden parts included, of up to two directional lights (those with a slot); to be divided by the kernel's mass.
+//
+// In a directional light's view every texel carries the same flux, n.l dA = the texel's area. So the integral of G_v E dA is
+// a mean over the light's plane, and E cancels against none of it:
+//     integral = E0 * mean of exp(-dz^2 / 2v) over offsets o ~ N(0, v) in the plane,
+// dz the distance along the light between the shaded point and what the map holds at o. A plane under any tilt gives its
+// cosine exactly; what the map does not hold is in shadow. The map knows triangles alone: what shading normals add to the
+// light that the camera sees is blurred on the screen, and added.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "common/frame.glsl"
+#include "common/tiles.glsl"
+#include "common/lights.glsl"
+
+layout(constant_id = 0) const int STRIDE = 1;
+layout(constant_id = 1) const int TAPS = 32;
+
+layout(push_constant, scalar) uniform Push {
+    float variance;        // mm^2
+} push;
+
+layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
+layout(set = 0, binding = 3, r32ui) uniform writeonly uimage2D target;
+#if DETAIL
+layout(set = 0, binding = 4, r32ui) uniform readonly uimage2D blurred;
+layout(set = 0, binding = 5, r32ui) uniform readonly uimage2D blurred_geo;
+#endif
+layout(set = 0, binding = 29) uniform sampler2DArray shadow;
+
+// Rows of a directional light's matrix are its axes over the half extents of its box; the third maps onto 0..1.
+float row_length(mat4 m, int row) {
+    return length(vec3(m[0][row], m[1][row], m[2][row]));
+}
+
+float gathered(int layer, vec3 position) {
+    mat4 m = lights.shadow_from_view[layer];
+    vec3 s = (m * vec4(position, 1.)).xyz;
+    vec2 scale = sqrt(push.variance) * .5 * vec2(row_length(m, 0), row_length(m, 1));
+    float falloff = sqrt(.5 * 1.44269504 / push.variance) / row_length(m, 2);
+    vec2 at = s.xy * .5 + .5;
+    // Vogel's spiral: equal areas turned by the golden angle, stretched to a Gaussian.
+    const mat2 turn = mat2(-.737368878, .675490294, -.675490294, -.737368878);
+    vec2 direction = vec2(1., 0.);
+    float sum = 0.;
+    for (int i = 0; i < TAPS; ++i) {
+        float radius = sqrt(-1.38629436 * log2(1. - (float(i) + .5) / float(TAPS)));
+        float depth = textureLod(shadow, vec3(at + direction * (radius * scale), float(layer)), 0.).r;
+        float dz = (depth - s.z) * falloff;
+        sum += depth > 0. ? exp2(-min(dz * dz, 80.)) : 0.;
+        direction = turn * direction;
+    }
+    return sum / float(TAPS);
+}
+
+void main() {
+    ivec2 texel = tile_pixel();
+    if (any(greaterThanEqual(texel * STRIDE, frame.size))) return;
+    ivec2 pixel = STRIDE == 1 ? texel : representative(texel, STRIDE);
+    float z = -imageLoad(viewz, pixel).x;
+    if (z <= 0.) return;
+    vec3 position = view_position(pixel, z);
+    vec2 found = vec2(0.);
+    for (int i = 0; i < LIGHTS; ++i) {
+        Light light = lights.light[i];
+        if (light.slot < 0) continue;
+        float x = gathered(light.layer, position);
+        if (light.slot == 0) found.x = x; else found.y = x;
+    }
+#if DETAIL
+    found += unpackUnorm2x16(imageLoad(blurred, texel).x) - unpackUnorm2x16(imageLoad(blurred_geo, texel).x);
+#endif
+    imageStore(target, texel, uvec4(packUnorm2x16(found)));
+}

@@ -1,0 +1,63 @@
+//! The kernel's mass at every vertex, as a vertex stream: what gathered light is divided by.
+
+use super::levels::Levels;
+use crate::scene::{Draw, Scene};
+use crate::skin::mass::{beside_border, border_distance, mass};
+use glam::Vec3;
+
+/// Sigmas of the widest level beyond which a border is not felt.
+const BORDER_SIGMAS: f32 = 4.;
+
+/// Shading normals this far (rms of the difference of unit vectors, over the surface) from the triangles' own are told apart.
+const STRAY: f32 = 0.02;
+
+/// Whether vertex normals stray from the triangles' own: coarse meshes.
+pub fn strays(scene: &Scene) -> bool {
+    let (mut square, mut area) = (0f64, 0f64);
+    for t in scene.indices.chunks_exact(3) {
+        let corner = |i: usize| scene.positions.get(t[i] as usize).map_or(Vec3::ZERO, |p| Vec3::from(*p));
+        let normal = |i: usize| scene.normals.get(t[i] as usize).map_or(Vec3::ZERO, |n| Vec3::from(*n));
+        let cross = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+        let (own, weight) = (cross.normalize_or_zero(), f64::from(cross.length()));
+        // Halfway between corners, where an interpolated normal is farthest from being a corner's own.
+        let stray: f32 = (0..3).map(|i| (normal(i) + normal((i + 1) % 3)).normalize_or_zero().distance_squared(own)).sum();
+        square += weight * f64::from(stray) / 3.;
+        area += weight;
+    }
+    square > f64::from(STRAY * STRAY) * area
+}
+
+/// At each vertex: mass of the whole profile per channel, of which only the gathered levels' differs from 1, with what a
+/// border takes off divided out; and the distance to the nearest border, mm. A border's own profile is put back for each pixel
+/// (`glsl/gbuffer.frag`). Only what scatters has mass.
+pub fn of_vertices(scene: &Scene, levels: &Levels) -> Vec<[f32; 4]> {
+    let points: Vec<Vec3> = scene.positions.iter().map(|p| Vec3::from(*p)).collect();
+    let scatters = |d: &&Draw| scene.materials.get(d.material).is_some_and(|m| m.scatter.is_some());
+    let mut triangles = Vec::new();
+    for draw in scene.draws.iter().filter(scatters) {
+        let all = scene.indices.iter().skip(draw.first_index as usize).take(draw.index_count as usize);
+        let corners: Vec<Vec3> = all.filter_map(|i| points.get(*i as usize).copied()).collect();
+        triangles.extend(corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]));
+    }
+    let widest = levels.levels.last().map_or(0., |l| l.variance.sqrt() as f32);
+    // Between a border and a vertex out of reach distance must still grow as it does.
+    let edge = triangles.iter().map(|[a, b, c]| a.distance(*b).max(b.distance(*c)).max(c.distance(*a)));
+    let reach = BORDER_SIGMAS * widest + edge.fold(0., f32::max);
+    let borders = border_distance(&points, &triangles, reach);
+    let mut sums: Vec<([f32; 3], [f32; 3])> = vec![([1.; 3], [1.; 3]); points.len()];
+    for level in levels.levels.iter().filter(|l| l.gathered) {
+        let masses = mass(&points, &triangles, level.variance);
+        for (((found, beside), m), d) in sums.iter_mut().zip(masses).zip(&borders) {
+            let share = beside_border(*d, level.variance.sqrt() as f32);
+            for c in 0..3 {
+                found[c] += level.weight[c] as f32 * (m - 1.);
+                beside[c] += level.weight[c] as f32 * (share - 1.);
+            }
+        }
+    }
+    let whole = |(found, beside): &([f32; 3], [f32; 3]), d: &f32| {
+        let [r, g, b] = std::array::from_fn(|c| found[c].max(0.) / beside[c]);
+        [r, g, b, *d]
+    };
+    sums.iter().zip(&borders).map(|(s, d)| whole(s, d)).collect()
+}
