@@ -6,7 +6,7 @@ use super::uniforms::MAX_LIGHTS;
 use super::{FrameError, Inputs};
 use crate::methods;
 use crate::scene::{Alpha, Camera, LightKind, Projection};
-use crate::settings::{Method, Settings, Texturing, ToneMap, View};
+use crate::settings::{Method, Quality, Settings, Texturing, ToneMap, View};
 use glam::Vec3;
 
 /// What becomes of the picture.
@@ -127,7 +127,8 @@ impl Setup {
             // Nobody blurs visibility: lighting looks it up itself, at full precision.
             shadows.without_slots();
         }
-        if settings.method == Method::Moments
+        let taps = gather_taps(settings);
+        if taps > 0
             && is_lit(settings.view)
             && let Some(texel) = shadows.gatherable(&inputs.lights)
         {
@@ -156,7 +157,7 @@ impl Setup {
             diffuses,
             mass,
             detail: mass && (normal_maps || super::mass::strays(scene)),
-            taps: std::env::var("TAPS").ok().and_then(|t| t.parse().ok()).unwrap_or(64),
+            taps,
             levels,
             kernel,
             shadows,
@@ -218,6 +219,16 @@ impl Setup {
     /// The target that holds the normal that light falls on.
     pub fn shading_normal(&self) -> &'static str {
         if self.normal_maps { "bumped" } else { "normal" }
+    }
+}
+
+/// Samples of each Gaussian that is gathered from the shadow map; 0: light is blurred on the screen alone.
+fn gather_taps(settings: &Settings) -> u32 {
+    match (settings.method, settings.quality) {
+        (Method::Moments, Quality::Medium) => 24,
+        (Method::Moments, Quality::High) => 48,
+        (Method::Moments, Quality::Ultra) => 96,
+        _ => 0,
     }
 }
 
