@@ -19,6 +19,6 @@ pub mod lut;
 pub mod moments;
 pub mod occlusion;
 pub mod profile;
-mod quadrature;
+pub(crate) mod quadrature;
 pub mod ring;
 pub mod sphere;
