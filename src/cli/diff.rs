@@ -81,9 +81,6 @@ impl Diff {
         }
         let (mut a, b) = (Side::open(&self.picture)?, Side::open(&self.reference)?);
         a.fits("the reference", b.size)?;
-        if a.light != b.light {
-            say(&format!("warning: {} is {}, {} is {}", a.name, a.read_as(), b.name, b.read_as()));
-        }
         if let Some(mask) = &self.mask {
             let mask = Side::open(mask)?;
             a.fits("the mask", mask.size)?;
@@ -106,6 +103,9 @@ impl Diff {
             let full = self.full.unwrap_or(comparison.whole.p99.max(1e-6));
             picture::write_png(map, a.size, &metrics::heat(&a.pixels, &b.pixels, full))?;
         }
+        if a.light != b.light {
+            say(&format!("warning: {} is {}, {} is {}", a.name, a.read_as(), b.name, b.read_as()));
+        }
         let record = Record { comparison: &comparison, read_as: [a.read_as(), b.read_as()], hdr_flip };
         match self.format {
             Format::Table => print(&table(&record)),
@@ -116,7 +116,7 @@ impl Diff {
 
 impl Side {
     fn open(file: &Path) -> Result<Self, Failure> {
-        let (format, size, pixels) = picture::read(file)?;
+        let picture::Picture { format, size, pixels } = picture::read(file)?;
         let light = match format {
             picture::Format::Exr => Light::Scene,
             picture::Format::Png => Light::Display,

@@ -16,7 +16,18 @@ pub enum Format {
     Exr,
 }
 
-/// Why a picture could not be written.
+/// A picture that was read.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// What it was.
+    pub format: Format,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Linear RGBA, row by row from the top.
+    pub pixels: Vec<[f32; 4]>,
+}
+
+/// Why a picture could not be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
     /// A name that says nothing of the format.
@@ -130,10 +141,10 @@ pub fn read_exr(file: &Path) -> Result<([u32; 2], Vec<[f32; 4]>), PictureError> 
 ///
 /// # Errors
 /// An extension other than `.png` and `.exr`; a file that is not what its name says, or cannot be read.
-pub fn read(file: &Path) -> Result<(Format, [u32; 2], Vec<[f32; 4]>), PictureError> {
+pub fn read(file: &Path) -> Result<Picture, PictureError> {
     let extension = file.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     match extension.as_deref() {
-        Some("exr") => read_exr(file).map(|(size, pixels)| (Format::Exr, size, pixels)),
+        Some("exr") => read_exr(file).map(|(size, pixels)| Picture { format: Format::Exr, size, pixels }),
         Some("png") => {
             let failed = |reason: ImageError| PictureError::Read { file: file.to_owned(), reason };
             let reader = std::fs::File::open(file).map_err(|e| failed(ImageError::IoError(e)))?;
@@ -142,7 +153,7 @@ pub fn read(file: &Path) -> Result<(Format, [u32; 2], Vec<[f32; 4]>), PictureErr
             let size = [picture.width(), picture.height()];
             let light = |c: f32| tone::decode(f64::from(c)) as f32;
             let pixels = picture.pixels().map(|p| [light(p.0[0]), light(p.0[1]), light(p.0[2]), p.0[3]]).collect();
-            Ok((Format::Png, size, pixels))
+            Ok(Picture { format: Format::Png, size, pixels })
         }
         _ => Err(PictureError::Extension(file.to_owned())),
     }

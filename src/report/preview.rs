@@ -52,8 +52,6 @@ pub fn encode(view: View, pixels: &[[f32; 4]]) -> (Vec<u8>, String) {
     (pixels.iter().flat_map(texel).collect(), meaning)
 }
 
-/// IEC 61966-2-1.
-
 #[cfg(test)]
 mod tests {
     use super::*;
