@@ -55,7 +55,9 @@ impl Stress {
         let rows: Vec<_> = ROWS.iter().filter(|r| wanted(r.name)).collect();
         if rows.is_empty() {
             let filter = self.filter.as_deref().unwrap_or_default();
-            return Err(Failure::Input(format!("--filter {filter}: no row's name holds that; leave it out to see all")));
+            return Err(Failure::Input(format!(
+                "--filter {filter}: no row's name holds that; leave it out to see all"
+            )));
         }
         let (gpu, validation) = self.open()?;
         let bench = Bench { gpu };

@@ -59,8 +59,7 @@ fn glb(mesh: &Mesh, nodes: Vec<Value>) -> Vec<u8> {
     };
     let mut attributes = json!({});
     let vector = |kind: &str, count: usize| json!({"componentType": 5126, "type": kind, "count": count});
-    attributes["POSITION"] =
-        json!(add(bytemuck::cast_slice(&mesh.positions), vector("VEC3", mesh.positions.len())));
+    attributes["POSITION"] = json!(add(bytemuck::cast_slice(&mesh.positions), vector("VEC3", mesh.positions.len())));
     if !mesh.normals.is_empty() {
         attributes["NORMAL"] = json!(add(bytemuck::cast_slice(&mesh.normals), vector("VEC3", mesh.normals.len())));
     }
@@ -142,7 +141,13 @@ pub fn damage(bench: &Bench, method: Method) -> Measured {
     hurt.indices.extend([100, 101, last]);
     let scene = plain(&hurt)?;
     let whole = plain(&clean)?;
-    let expected = [(2, "normals zero or not finite"), (3, "normals not of unit length"), (1, "triangles without area"), (1, "repeated triangles"), (1, "not finite left out")];
+    let expected = [
+        (2, "normals zero or not finite"),
+        (3, "normals not of unit length"),
+        (1, "triangles without area"),
+        (1, "repeated triangles"),
+        (1, "not finite left out"),
+    ];
     let (missing, none) = (unsaid(&scene, &expected), unsaid(&whole, &expected));
     let text = scene.warnings.join("; ");
     let base = draw(bench, whole.clone(), method)?;
@@ -205,7 +210,12 @@ pub fn scales(bench: &Bench, method: Method) -> Measured {
     Ok(vec![
         Measure::new("2, .5, .001: normal, rad", angle, off(&node([2., 0.5, 2e-3])?, DVec3::new(80., 20., 0.04)), ""),
         Measure::new("mirrored p99", mirrored.p99, wrong, format!("{mirrored}")),
-        Measure::new("zero: pixels out of 0..1", bad, base.spoilt(f32::NAN).texels.iter().flatten().filter(|x| !(0. ..=1.001).contains(*x)).count() as f64, ""),
+        Measure::new(
+            "zero: pixels out of 0..1",
+            bad,
+            base.spoilt(f32::NAN).texels.iter().flatten().filter(|x| !(0. ..=1.001).contains(*x)).count() as f64,
+            "",
+        ),
     ])
 }
 
@@ -271,7 +281,9 @@ pub fn nodes(bench: &Bench, method: Method) -> Measured {
     let many = load(&tile, (0..10_000).map(|i| json!({"mesh": 0, "translation": place(i)})).collect(), 1.)?;
     let shift = |p: &[f32; 3], i: usize| [p[0] + place(i)[0], p[1] + place(i)[1], 0.];
     let one = Mesh {
-        positions: (0..10_000).flat_map(|i| tile.positions.iter().map(move |p| shift(p, i)).collect::<Vec<_>>()).collect(),
+        positions: (0..10_000)
+            .flat_map(|i| tile.positions.iter().map(move |p| shift(p, i)).collect::<Vec<_>>())
+            .collect(),
         normals: vec![[0., 0., 1.]; 30_000],
         ..Mesh::default()
     };

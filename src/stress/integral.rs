@@ -147,10 +147,8 @@ pub fn ring(_: &Bench) -> Measured {
                 e *= 4.;
             }
             edges.sort_by(f64::total_cmp);
-            let sum: f64 = edges
-                .windows(2)
-                .map(|w| integrate(w[0], w[1], |e| 2. * (d(PI / 2. - e, k) + d(PI / 2. + e, k))))
-                .sum();
+            let sum: f64 =
+                edges.windows(2).map(|w| integrate(w[0], w[1], |e| 2. * (d(PI / 2. - e, k) + d(PI / 2. + e, k)))).sum();
             worst = worst.max((factor * sum / 2. - 1.).abs());
         }
         worst
@@ -186,7 +184,12 @@ pub fn rectified(_: &Bench) -> Measured {
         worst
     };
     Ok(vec![
-        Measure::new("odd part / s", apart(&moments::rectified), apart(&|c, s| moments::rectified(c, s) + 1e-9 * c.max(0.)), "E max(0,X) - E max(0,-X) - E X"),
+        Measure::new(
+            "odd part / s",
+            apart(&moments::rectified),
+            apart(&|c, s| moments::rectified(c, s) + 1e-9 * c.max(0.)),
+            "E max(0,X) - E max(0,-X) - E X",
+        ),
         Measure::new("fast - exact / s", against(1.), against(1.01), "the shader's cubic; wrong: spread 1 % off"),
     ])
 }
@@ -247,7 +250,9 @@ pub fn table_energy(_: &Bench) -> Measured {
 /// The kernel's own weights: whatever the profile's figures, they sum to one.
 pub fn weights(_: &Bench) -> Measured {
     let mut worst = 0f64;
-    let sums = |list: &[Gaussian]| (0..3).map(|c| (list.iter().map(|g| g.weight[c]).sum::<f64>() - 1.).abs()).fold(0., f64::max);
+    let sums = |list: &[Gaussian]| {
+        (0..3).map(|c| (list.iter().map(|g| g.weight[c]).sum::<f64>() - 1.).abs()).fold(0., f64::max)
+    };
     for name in Profile::names() {
         for factor in [1e-9, 1., 1e9] {
             worst = worst.max(sums(&Profile::resolve(name)?.scaled(factor).gaussians().gaussians));

@@ -37,7 +37,8 @@ pub fn behind(bench: &Bench, method: Method) -> Measured {
         p.covered().filter(|i| away(*i)).map(|i| f64::from(p.texels[i][0])).fold(0., f64::max)
     };
     let mut front = set.clone();
-    front.lights = vec![Light { kind: LightKind::Directional { direction: -direction }, ..Light::directional(0., 0., 1.) }];
+    front.lights =
+        vec![Light { kind: LightKind::Directional { direction: -direction }, ..Light::directional(0., 0., 1.) }];
     // Sigma 4 mm on 40 mm: at 45 degrees behind the terminator nothing is left, 1e-12 of it.
     Ok(vec![
         Measure::new("45 degrees away", most(&picture), most(&front.linear(bench)?), "wrong: the light in front"),
@@ -85,7 +86,12 @@ pub fn touching(bench: &Bench, method: Method) -> Measured {
     let lit = set.linear(bench)?;
     let finite = |p: &super::studio::Picture| p.texels.iter().flatten().filter(|x| !x.is_finite()).count() as f64;
     Ok(vec![
-        Measure::new("outside 0..1", on.outside(0., 1.001), on.spoilt(3.).outside(0., 1.001), "exitance; at 1 mm the light is 1"),
+        Measure::new(
+            "outside 0..1",
+            on.outside(0., 1.001),
+            on.spoilt(3.).outside(0., 1.001),
+            "exitance; at 1 mm the light is 1",
+        ),
         Measure::new("not finite", finite(&lit), finite(&lit.spoilt(f32::NAN)), "radiance"),
     ])
 }
@@ -103,7 +109,12 @@ pub fn dark(bench: &Bench, method: Method) -> Measured {
     let off = p.outside(0.297, 0.303);
     Ok(vec![
         Measure::new("without light", none, lit, "exitance"),
-        Measure::new("an even sky: off .3", off, p.times(1.05).outside(0.297, 0.303), "white, radiance of .3 from everywhere"),
+        Measure::new(
+            "an even sky: off .3",
+            off,
+            p.times(1.05).outside(0.297, 0.303),
+            "white, radiance of .3 from everywhere",
+        ),
     ])
 }
 
@@ -113,7 +124,7 @@ pub fn many(bench: &Bench, method: Method) -> Measured {
     set.settings.no_shadows = true;
     let draw = |count: usize, total: f32| {
         let mut set = set.clone();
-        set.lights = vec![Light::directional(-40., 35., f64::from(total / count as f32)as f32); count];
+        set.lights = vec![Light::directional(-40., 35., f64::from(total / count as f32) as f32); count];
         set.linear(bench)
     };
     let one = draw(1, 1.)?;

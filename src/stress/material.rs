@@ -67,8 +67,15 @@ fn bumpy(method: Method, view: View) -> Result<Set, StressError> {
     };
     let rgba8 = (0..side * side).flat_map(|_| [noise(), noise(), 150, 255]).collect();
     let wrap = [Wrap::Repeat; 2];
-    scene.textures =
-        vec![Texture { name: "bumps".into(), width: side, height: side, rgba8, srgb: false, wrap, filter: Filter::Linear }];
+    scene.textures = vec![Texture {
+        name: "bumps".into(),
+        width: side,
+        height: side,
+        rgba8,
+        srgb: false,
+        wrap,
+        filter: Filter::Linear,
+    }];
     scene.materials[0].normal_texture = Some((0, 1.));
     scene.tangents = vec![[1., 0., 0., 1.]; scene.positions.len()];
     set.camera = Camera::orbit(15., 5., 120., None, 30., &scene);
@@ -95,7 +102,7 @@ pub fn normal_map(bench: &Bench, method: Method) -> Measured {
     // Scattering must even the bumps out, and not make them worse: the deviation of light from its neighbours.
     let rough = |p: &Picture| {
         let w = p.size[0];
-        let pair = |i: &usize| i % w > 0 && p.texels[*i][3] > 0. && p.texels[i - 1][3] > 0.;
+        let pair = |i: &usize| !i.is_multiple_of(w) && p.texels[*i][3] > 0. && p.texels[i - 1][3] > 0.;
         let one = |i: usize| f64::from((p.texels[i][0] - p.texels[i - 1][0]).powi(2));
         let v: Vec<f64> = (0..p.texels.len()).filter(pair).map(one).collect();
         (v.iter().sum::<f64>() / v.len() as f64).sqrt()

@@ -261,9 +261,8 @@ impl Spread {
     /// Sorts and reads off; an empty list is NaN: nothing was compared.
     pub fn of(mut v: Vec<f64>) -> Spread {
         v.sort_by(f64::total_cmp);
-        let at = |q: f64| {
-            v.get(((v.len() as f64 * q) as usize).min(v.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
-        };
+        let at =
+            |q: f64| v.get(((v.len() as f64 * q) as usize).min(v.len().saturating_sub(1))).copied().unwrap_or(f64::NAN);
         Spread { median: at(0.5), p99: at(0.99), max: at(1.), n: v.len() }
     }
 }

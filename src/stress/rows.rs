@@ -5,10 +5,19 @@ use super::{Row, edge, file, integral, lighting, material, size, surface};
 
 type Known = &'static [(&'static str, &'static str, &'static str)];
 
-const OFF_SCREEN: &str = "its taps land where no surface is: what is wider than the object cannot be gathered from the screen";
+const OFF_SCREEN: &str =
+    "its taps land where no surface is: what is wider than the object cannot be gathered from the screen";
 const GLOW: Known = &[("moments", "|E - 1/4| median", OFF_SCREEN), ("gaussians", "|E - 1/4| median", OFF_SCREEN)];
-const METAL: Known = &[("", "metal: |L - 1|", "the fitted directional albedo (Karis 2014) is straight in roughness: .72 of 1 at roughness .5")];
-const BUMPS: Known = &[("pdss", "roughness / lambert's", "a mean normal made unit again, as published: where bumps cancel, what is left of them is stretched")];
+const METAL: Known = &[(
+    "",
+    "metal: |L - 1|",
+    "the fitted directional albedo (Karis 2014) is straight in roughness: .72 of 1 at roughness .5",
+)];
+const BUMPS: Known = &[(
+    "pdss",
+    "roughness / lambert's",
+    "a mean normal made unit again, as published: where bumps cancel, what is left of them is stretched",
+)];
 
 /// Every row, in the order in which they are run.
 #[rustfmt::skip]

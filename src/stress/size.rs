@@ -76,7 +76,12 @@ pub fn near(bench: &Bench, method: Method) -> Measured {
     let mut turned = set.clone();
     turned.lights = vec![Light::directional(-50., 35., 1.)];
     let wrong = Spread::of(turned.linear(bench)?.differences(&want, |_| true)).median;
-    Ok(vec![Measure::new("median |E - mu|", s.median, wrong, format!("{s}; 4 mm of a sphere of 200 mm fill the picture"))])
+    Ok(vec![Measure::new(
+        "median |E - mu|",
+        s.median,
+        wrong,
+        format!("{s}; 4 mm of a sphere of 200 mm fill the picture"),
+    )])
 }
 
 /// Channels whose radii are 1e4 apart: each is what it would be if all had its radius.
@@ -199,7 +204,9 @@ pub fn motion(bench: &Bench, method: Method) -> Measured {
                 (0..2).map(|k| (v(k) - 2. * v(k + 1) + v(k + 2)).powi(2) / 6.).sum::<f64>() / 2.
             };
             let inner: Vec<f64> = (0..p[0].texels.len())
-                .filter(|i| p.iter().all(|p| p.texels[*i][3] > 0.) && i % 64 > 16 && i % 64 < 48 && i / 64 > 16 && i / 64 < 48)
+                .filter(|i| {
+                    p.iter().all(|p| p.texels[*i][3] > 0.) && i % 64 > 16 && i % 64 < 48 && i / 64 > 16 && i / 64 < 48
+                })
                 .map(one)
                 .collect();
             (inner.iter().sum::<f64>() / inner.len() as f64).sqrt()

@@ -188,7 +188,9 @@ pub fn range(bench: &Bench) -> Measured {
     let first = scene.positions.len() as u32;
     // It stands behind, and to the side, where the small one does not hide it.
     let place = DVec3::new(1.5e8, 0., -4e8);
-    scene.positions.extend(far.positions.iter().map(|p| (DVec3::from_array(p.map(f64::from)) + place).as_vec3().to_array()));
+    scene
+        .positions
+        .extend(far.positions.iter().map(|p| (DVec3::from_array(p.map(f64::from)) + place).as_vec3().to_array()));
     scene.normals.extend(&far.normals);
     scene.uvs.extend(&far.uvs);
     scene.indices.extend(far.indices.iter().map(|i| i + first));
@@ -277,7 +279,7 @@ fn noise(bits: u32, estimator: Estimator) -> f64 {
                 sum = (sum.0 + (c.h - 1. / 60.).powi(2), sum.1 + 1.);
             }
         }
-        (sum.0 / sum.1 as f64).sqrt()
+        (sum.0 / sum.1).sqrt()
     };
     let g = cast(Some(bits));
     let step = 2f64.powi(1 - bits as i32);
@@ -290,7 +292,9 @@ pub fn formats(_: &Bench) -> Measured {
     let mut all = Vec::new();
     for (quantity, estimator) in [("metric: spread", Estimator::Metric), ("fit: spread", Estimator::Fit)] {
         let n = [8, 10, 16].map(|b| noise(b, estimator));
-        let ratio = |n: [f64; 3]| n.iter().fold(0., |m: f64, x| m.max(*x)) / n.iter().fold(f64::INFINITY, |m: f64, x| m.min(*x));
+        let ratio = |n: [f64; 3]| {
+            n.iter().fold(0., |m: f64, x| m.max(*x)) / n.iter().fold(f64::INFINITY, |m: f64, x| m.min(*x))
+        };
         let text = format!("rms dH 2s/q: 8 bit {:.3}, 10 bit {:.3}, 16 bit {:.3}", n[0], n[1], n[2]);
         // The law of another power, q^2 / 2s.
         let wrong = ratio([n[0], n[1] / 4., n[2] / 256.]);
