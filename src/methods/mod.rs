@@ -4,6 +4,7 @@ mod gaussians;
 mod lambert;
 mod moments;
 mod pdss;
+pub mod preintegrated;
 
 use crate::frame::resources::EXTERNAL;
 use crate::frame::setup::Setup;
@@ -20,14 +21,18 @@ pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
     let external = EXTERNAL.iter().map(|n| (*n).to_owned()).collect();
     let mut plan = Plan { external, ..Plan::default() };
     let kept = s.picture();
-    // Tiles without a surface are never visited: their colour is the clear's.
     plan.image(kept, s.size);
-    plan.clear("clear", kept, [0.; 4]);
     // What projects below a pixel everywhere is a point, and nothing is left to scatter.
-    match if s.diffuses { s.settings.method } else { Method::Lambert } {
+    let method = if s.diffuses { s.settings.method } else { Method::Lambert };
+    if !(method == Method::Preintegrated && s.lit_view()) {
+        // Tiles without a surface are never visited: their colour is the clear's. A raster pass clears for itself.
+        plan.clear("clear", kept, [0.; 4]);
+    }
+    match method {
         Method::Lambert => lambert::frame(&mut plan, s),
         Method::Pdss => pdss::frame(&mut plan, s),
         Method::Moments => moments::frame(&mut plan, s),
+        Method::Preintegrated => preintegrated::frame(&mut plan, s),
         Method::Gaussians => gaussians::frame(&mut plan, s),
     }
     if !s.lit_view() {
@@ -43,6 +48,7 @@ pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
 pub fn kernel(method: Method, profile: &Profile, least_sigma_mm: f64) -> Vec<[f64; 4]> {
     match method {
         Method::Lambert | Method::Pdss | Method::Moments => Vec::new(),
+        Method::Preintegrated => preintegrated::kernel(profile),
         Method::Gaussians => gaussians::kernel(profile, least_sigma_mm),
     }
 }

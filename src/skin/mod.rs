@@ -8,6 +8,7 @@
 //! | [`ring`] | the same on a ring, to reproduce Penner & Borshukov 2011 |
 //! | [`lut`] | either of them as a small table over (mu, curvature) that a GPU samples bilinearly |
 //! | [`moments`] | E max(0, X) of a normal variable: the closed form that needs no table |
+//! | [`penumbra`] | what the profile makes of a shadow's edge whose penumbra has a known width |
 //! | [`occlusion`] | how much of the sky a concave patch of known curvature hides |
 //!
 //! Units: millimetres; variances in mm^2; curvatures in 1/mm, convex positive. `mu` is the cosine between the surface
@@ -18,6 +19,7 @@ pub mod curvature;
 pub mod lut;
 pub mod moments;
 pub mod occlusion;
+pub mod penumbra;
 pub mod profile;
 mod quadrature;
 pub mod ring;
