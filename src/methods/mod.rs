@@ -5,11 +5,12 @@ mod lambert;
 mod moments;
 mod pdss;
 pub mod preintegrated;
+pub mod separable;
 
 use crate::frame::resources::EXTERNAL;
 use crate::frame::setup::Setup;
 use crate::plan::{Plan, PlanError};
-use crate::settings::Method;
+use crate::settings::{Method, Settings};
 use crate::skin::profile::Profile;
 use crate::stages;
 
@@ -34,6 +35,7 @@ pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
         Method::Moments => moments::frame(&mut plan, s),
         Method::Preintegrated => preintegrated::frame(&mut plan, s),
         Method::Gaussians => gaussians::frame(&mut plan, s),
+        Method::Separable => separable::frame(&mut plan, s),
     }
     if !s.lit_view() {
         stages::view::add(&mut plan, s);
@@ -45,10 +47,11 @@ pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
 
 /// What a method's own shaders read of the profile: a few rows of four, empty where the method needs none. What projects
 /// to fewer pixels than a Gaussian of `least_sigma_mm` does is not told from a point.
-pub fn kernel(method: Method, profile: &Profile, least_sigma_mm: f64) -> Vec<[f64; 4]> {
-    match method {
+pub fn kernel(settings: &Settings, profile: &Profile, least_sigma_mm: f64) -> Vec<[f64; 4]> {
+    match settings.method {
         Method::Lambert | Method::Pdss | Method::Moments => Vec::new(),
         Method::Preintegrated => preintegrated::kernel(profile),
-        Method::Gaussians => gaussians::kernel(profile, least_sigma_mm),
+        Method::Gaussians => gaussians::kernel(settings.quality, profile, least_sigma_mm),
+        Method::Separable => separable::kernel(settings, profile),
     }
 }
