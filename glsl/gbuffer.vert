@@ -1,5 +1,5 @@
-// gbuffer: meshes -> depth, viewz, normal, albedo, material, bumped.
-// variants: plain UV=0 TANGENT=0 MASS=0; uv UV=1 TANGENT=0 MASS=0; tangent UV=1 TANGENT=1 MASS=0; plain_mass UV=0 TANGENT=0 MASS=1; uv_mass UV=1 TANGENT=0 MASS=1; tangent_mass UV=1 TANGENT=1 MASS=1
+// gbuffer and forward: meshes, in view space, for their fragment shaders.
+// variants: plain UV=0 TANGENT=0; uv UV=1 TANGENT=0; tangent UV=1 TANGENT=1; plain_bend UV=0 TANGENT=0 EXTRA=float; uv_bend UV=1 TANGENT=0 EXTRA=float; tangent_bend UV=1 TANGENT=1 EXTRA=float; plain_mass UV=0 TANGENT=0 EXTRA=vec4; uv_mass UV=1 TANGENT=0 EXTRA=vec4; tangent_mass UV=1 TANGENT=1 EXTRA=vec4
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "common/frame.glsl"
@@ -18,9 +18,10 @@ layout(location = 3) in vec4 tangent;
 const vec4 tangent = vec4(0.);
 #endif
 
-#if MASS
-layout(location = 4) in vec4 mass;
-layout(location = 4) out vec4 out_mass;
+// A stream of one stage's own: unsigned curvature of the mesh (1/mm) for `forward`; mass and border for `gbuffer`.
+#ifdef EXTRA
+layout(location = 4) in EXTRA extra;
+layout(location = 4) out EXTRA out_extra;
 #endif
 
 layout(location = 0) out vec3 view_normal;
@@ -34,8 +35,8 @@ void main() {
     view_normal = rotation * normal;
     view_distance = -(frame.view_from_world * vec4(position, 1.)).z;
     out_uv = uv;
-#if MASS
-    out_mass = mass;
+#ifdef EXTRA
+    out_extra = extra;
 #endif
     view_tangent = vec4(rotation * tangent.xyz, tangent.w);
 }

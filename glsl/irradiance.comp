@@ -4,6 +4,7 @@
 // irradiance = sum over lights of E max(0, n.l) visibility, plus the sky's (pi times its radiance), times the square root of
 //              the surface's colour with PRE (half of it acts before scattering, half after: d'Eon & Luebke 2007)
 // reflected  = specular radiance of lights and sky
+// Both in units of `light_unit`, which keeps the strongest lights within a half's range.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "common/frame.glsl"
@@ -12,6 +13,7 @@
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
 #include "common/specular.glsl"
+#include "common/light_code.glsl"
 
 layout(constant_id = 0) const bool FINAL = true;         // the lit picture: with specular and ambient light
 layout(constant_id = 1) const bool SHADOWS = true;       // some light casts a shadow
@@ -51,6 +53,6 @@ void main() {
         diffuse += PI * sky;
         specular += specular_albedo(clamp(dot(n, v), 0., 1.), m.r, f0) * sky;
     }
-    imageStore(irradiance, pixel, vec4(PRE && z < 0. ? diffuse * base.rgb : diffuse, 1.));
-    if (FINAL) imageStore(reflected, pixel, vec4(specular, 1.));
+    imageStore(irradiance, pixel, light_encode((PRE && z < 0. ? diffuse * base.rgb : diffuse) / frame.light_unit));
+    if (FINAL) imageStore(reflected, pixel, light_encode(specular / frame.light_unit));
 }

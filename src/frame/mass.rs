@@ -20,7 +20,8 @@ pub fn strays(scene: &Scene) -> bool {
         let cross = (corner(1) - corner(0)).cross(corner(2) - corner(0));
         let (own, weight) = (cross.normalize_or_zero(), f64::from(cross.length()));
         // Halfway between corners, where an interpolated normal is farthest from being a corner's own.
-        let stray: f32 = (0..3).map(|i| (normal(i) + normal((i + 1) % 3)).normalize_or_zero().distance_squared(own)).sum();
+        let stray: f32 =
+            (0..3).map(|i| (normal(i) + normal((i + 1) % 3)).normalize_or_zero().distance_squared(own)).sum();
         square += weight * f64::from(stray) / 3.;
         area += weight;
     }

@@ -180,7 +180,9 @@ mod tests {
             [0., 1., 2., 3.].map(|q: f32| glam::Quat::from_axis_angle(axis, q * std::f32::consts::FRAC_PI_2))
         });
         let sides = turns[0].into_iter().chain([turns[1][1], turns[1][3]]);
-        sides.flat_map(|q| cube.iter().map(move |t| t.map(|p| q * p.normalize() * radius)).collect::<Vec<_>>()).collect()
+        sides
+            .flat_map(|q| cube.iter().map(move |t| t.map(|p| q * p.normalize() * radius)).collect::<Vec<_>>())
+            .collect()
     }
 
     /// The shapes with a known answer, at places of no particular kind.

@@ -1,10 +1,23 @@
-//! gbuffer: meshes -> depth, viewz, normal, albedo, material, and bumped where the scene has a normal map.
+//! gbuffer: meshes -> depth, viewz, normal, albedo, material; bumped where the scene has a normal map; mass where light is
+//! gathered, and facet where shading normals stray from the triangles' own.
 
 use crate::frame::setup::Setup;
 use crate::gpu::pipeline::Raster;
 use crate::plan::{Geometry, Plan};
-use crate::{shaders, targets};
+use crate::shaders::{self, Shader};
+use crate::targets;
 use ash::vk;
+
+/// A vertex stream of one stage's own, behind those that every material needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extra {
+    /// None.
+    None,
+    /// Unsigned curvature of the mesh, 1/mm.
+    Bend,
+    /// The kernel's mass per channel, and the distance to the mesh's border in mm.
+    Mass,
+}
 
 /// Adds the pass.
 pub fn add(plan: &mut Plan, s: &Setup) {
@@ -23,46 +36,62 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     for name in colors.iter().chain(&["depth"]) {
         plan.image(name, s.size);
     }
-    let format = |name: &str| targets::describe(name).map_or(vk::Format::UNDEFINED, |t| t.format);
-    let mut streams = vec![(0, vk::Format::R32G32B32_SFLOAT), (1, vk::Format::R32G32B32_SFLOAT)];
-    if s.uvs {
-        streams.push((2, vk::Format::R32G32_SFLOAT));
-    } else {
+    if !s.uvs {
         plan.leave_out("texture coordinates", "no material is textured", 0);
     }
-    if s.normal_maps {
-        streams.push((3, vk::Format::R32G32B32A32_SFLOAT));
-    }
-    if s.mass {
-        streams.push((4, vk::Format::R32G32B32A32_SFLOAT));
-    }
-    let state = Raster {
-        colors: colors.iter().map(|n| format(n)).collect(),
-        depth: format("depth"),
-        compare: vk::CompareOp::GREATER,
-        streams,
-        ..Raster::default()
-    };
-    // A viewz of 0 says that nothing else of the pixel means anything, so nothing else is cleared.
-    let colors = colors.into_iter().map(|n| (n.to_owned(), (n == "viewz").then_some([0; 4]))).collect();
-    let depth = ("depth".to_owned(), None, 0.);
-    let vertex = match (s.uvs, s.normal_maps, s.mass) {
-        (false, _, false) => &shaders::GBUFFER_VERT_PLAIN,
-        (true, false, false) => &shaders::GBUFFER_VERT_UV,
-        (true, true, false) => &shaders::GBUFFER_VERT_TANGENT,
-        (false, _, true) => &shaders::GBUFFER_VERT_PLAIN_MASS,
-        (true, false, true) => &shaders::GBUFFER_VERT_UV_MASS,
-        (true, true, true) => &shaders::GBUFFER_VERT_TANGENT_MASS,
-    };
+    let extra = if s.mass { Extra::Mass } else { Extra::None };
     let fragment = match (s.mass, s.detail, s.normal_maps) {
         (false, _, _) => &shaders::GBUFFER_FRAG_PLAIN,
         (true, false, _) => &shaders::GBUFFER_FRAG_MASS,
         (true, true, false) => &shaders::GBUFFER_FRAG_MASS_FACET,
         (true, true, true) => &shaders::GBUFFER_FRAG_BUMPED_MASS_FACET,
     };
-    let pass = plan.raster("gbuffer", vertex, Some(fragment), state, colors, depth, Geometry::Materials);
+    let state = state(s, &colors, extra);
+    // A viewz of 0 says that nothing else of the pixel means anything, so nothing else is cleared.
+    let colors = colors.into_iter().map(|n| (n.to_owned(), (n == "viewz").then_some([0; 4]))).collect();
+    let depth = ("depth".to_owned(), None, 0.);
+    let pass = plan.raster("gbuffer", vertex(s, extra), Some(fragment), state, colors, depth, Geometry::Materials);
     if s.mass {
         let first = s.levels.levels.iter().take_while(|l| !l.gathered).count();
         pass.constant("FIRST", first as u32).constant("LEVELS", s.levels.levels.len() as u32);
+    }
+}
+
+/// State of a pass that draws the scene's meshes as the eye sees them, with the streams that their materials need.
+pub fn state(s: &Setup, colors: &[&str], extra: Extra) -> Raster {
+    let format = |name: &str| targets::describe(name).map_or(vk::Format::UNDEFINED, |t| t.format);
+    let mut streams = vec![(0, vk::Format::R32G32B32_SFLOAT), (1, vk::Format::R32G32B32_SFLOAT)];
+    if s.uvs {
+        streams.push((2, vk::Format::R32G32_SFLOAT));
+    }
+    if s.normal_maps {
+        streams.push((3, vk::Format::R32G32B32A32_SFLOAT));
+    }
+    match extra {
+        Extra::None => {}
+        Extra::Bend => streams.push((4, vk::Format::R32_SFLOAT)),
+        Extra::Mass => streams.push((4, vk::Format::R32G32B32A32_SFLOAT)),
+    }
+    Raster {
+        colors: colors.iter().map(|n| format(n)).collect(),
+        depth: format("depth"),
+        compare: vk::CompareOp::GREATER,
+        streams,
+        ..Raster::default()
+    }
+}
+
+/// The vertex shader for those streams.
+pub fn vertex(s: &Setup, extra: Extra) -> &'static Shader {
+    match (extra, s.uvs, s.normal_maps) {
+        (Extra::None, false, _) => &shaders::GBUFFER_VERT_PLAIN,
+        (Extra::None, true, false) => &shaders::GBUFFER_VERT_UV,
+        (Extra::None, true, true) => &shaders::GBUFFER_VERT_TANGENT,
+        (Extra::Bend, false, _) => &shaders::GBUFFER_VERT_PLAIN_BEND,
+        (Extra::Bend, true, false) => &shaders::GBUFFER_VERT_UV_BEND,
+        (Extra::Bend, true, true) => &shaders::GBUFFER_VERT_TANGENT_BEND,
+        (Extra::Mass, false, _) => &shaders::GBUFFER_VERT_PLAIN_MASS,
+        (Extra::Mass, true, false) => &shaders::GBUFFER_VERT_UV_MASS,
+        (Extra::Mass, true, true) => &shaders::GBUFFER_VERT_TANGENT_MASS,
     }
 }
