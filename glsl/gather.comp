@@ -1,4 +1,4 @@
-// gather: viewz, shadow, and with DETAIL the blurred light by shading normals and by the triangles' -> target (gathered, of one level).
+// gather: viewz, normal, shadow, and with DETAIL the blurred light by shading normals and by the triangles' -> target (gathered, of one level).
 // variants: plain DETAIL=0; detail DETAIL=1
 // What a Gaussian of the profile gathers of the light that enters the
 // surface, hidden parts included, of up to two directional lights (those with a slot); to be divided by the kernel's mass.
@@ -12,6 +12,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "common/frame.glsl"
+#include "common/octahedral.glsl"
 #include "common/tiles.glsl"
 #include "common/lights.glsl"
 
@@ -23,6 +24,7 @@ layout(push_constant, scalar) uniform Push {
 } push;
 
 layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
+layout(set = 0, binding = 6, r32ui) uniform readonly uimage2D normal;  // the triangle's own where DETAIL
 layout(set = 0, binding = 3, r32ui) uniform writeonly uimage2D target;
 #if DETAIL
 layout(set = 0, binding = 4, r32ui) uniform readonly uimage2D blurred;
@@ -35,24 +37,34 @@ float row_length(mat4 m, int row) {
     return length(vec3(m[0][row], m[1][row], m[2][row]));
 }
 
-float gathered(int layer, vec3 position) {
+// The tangent plane is a control variate: its mean is known, the cosine c, and its samples err as the surface's own do. Its
+// share is the regression of one on the other, so a surface that is not seen by the light takes none of it.
+float gathered(int layer, vec3 position, vec3 n, float c) {
     mat4 m = lights.shadow_from_view[layer];
     vec3 s = (m * vec4(position, 1.)).xyz;
     vec2 scale = sqrt(push.variance) * .5 * vec2(row_length(m, 0), row_length(m, 1));
     float falloff = sqrt(.5 * 1.44269504 / push.variance) / row_length(m, 2);
     vec2 at = s.xy * .5 + .5;
+    vec2 slope = vec2(dot(n, vec3(m[0][0], m[1][0], m[2][0])) / row_length(m, 0), dot(n, vec3(m[0][1], m[1][1], m[2][1])) / row_length(m, 1));
+    slope *= sqrt(.5 * 1.44269504) / max(c, 1e-3);
     // Vogel's spiral: equal areas turned by the golden angle, stretched to a Gaussian.
     const mat2 turn = mat2(-.737368878, .675490294, -.675490294, -.737368878);
     vec2 direction = vec2(1., 0.);
-    float sum = 0.;
+    float sum = 0., plane = 0., both = 0., square = 0.;
     for (int i = 0; i < TAPS; ++i) {
         float radius = sqrt(-1.38629436 * log2(1. - (float(i) + .5) / float(TAPS)));
-        float depth = textureLod(shadow, vec3(at + direction * (radius * scale), float(layer)), 0.).r;
-        float dz = (depth - s.z) * falloff;
-        sum += depth > 0. ? exp2(-min(dz * dz, 80.)) : 0.;
+        vec2 offset = direction * radius;
+        float depth = textureLod(shadow, vec3(at + offset * scale, float(layer)), 0.).r;
+        float dz = (depth - s.z) * falloff, dp = dot(offset, slope);
+        float f = depth > 0. ? exp2(-min(dz * dz, 80.)) : 0., p = exp2(-min(dp * dp, 80.));
+        sum += f;
+        plane += p;
+        both += f * p;
+        square += p * p;
         direction = turn * direction;
     }
-    return sum / float(TAPS);
+    float share = c > 1e-3 && square > 0. ? min(both / square, 1.) : 0.;
+    return max(sum / float(TAPS) + share * (c - plane / float(TAPS)), 0.);
 }
 
 void main() {
@@ -62,11 +74,12 @@ void main() {
     float z = -imageLoad(viewz, pixel).x;
     if (z <= 0.) return;
     vec3 position = view_position(pixel, z);
+    vec3 n = octahedral_decode(imageLoad(normal, pixel).x);
     vec2 found = vec2(0.);
     for (int i = 0; i < LIGHTS; ++i) {
         Light light = lights.light[i];
         if (light.slot < 0) continue;
-        float x = gathered(light.layer, position);
+        float x = gathered(light.layer, position, n, dot(n, light.position));
         if (light.slot == 0) found.x = x; else found.y = x;
     }
 #if DETAIL

@@ -66,7 +66,7 @@ fn twin(shader: &Shader, block: &Block) -> Option<Layout> {
             reflectance,
             scatter,
         }),
-        ("blur", "Push") => single("variance"),
+        ("blur" | "gather", "Push") => single("variance"),
         ("shadow", "Push") => single("layer"),
         // A list of tiles starts with what `stages::tiles` resets it to: four words.
         (_, "TileBlock" | "SurfaceTiles" | "ScatterTiles") => {

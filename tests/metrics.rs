@@ -149,7 +149,8 @@ fn concave(
     let inputs = Inputs { scene: &scene, camera, lights, profile, settings, timing: None, output: Output::Linear };
     let effort = Effort { samples: 100_000, max_error: 1., ..Effort::default() };
     let truth = truth::solve(&inputs, None, &effort, |_| ())?;
-    let surface = truth::surface::Surface::new(&scene, &inputs.camera);
+    let surface =
+        truth::surface::Surface::new(&scene, &inputs.camera, [inputs.settings.size.width, inputs.settings.size.height]);
     let seen = truth::eye::Eye::new(&inputs.camera, [96; 2], &scene).see(&surface, 0, 0, 96, 96);
     let (mut right, mut all, mut marked) = (0, 0, 0);
     for (s, b) in seen.iter().zip(&truth.bands).filter_map(|(s, b)| Some((s.as_ref()?, b))) {

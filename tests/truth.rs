@@ -52,7 +52,7 @@ fn solve(ask: &Asked<'_>) -> Result<Solved, Box<dyn std::error::Error>> {
     let truth = truth::solve(&inputs, ask.window, &EFFORT, |_| ())?;
     let w = truth.window;
     let eye = Eye::new(&inputs.camera, [SIZE; 2], &scene);
-    let surface = Surface::new(&scene, &inputs.camera);
+    let surface = Surface::new(&scene, &inputs.camera, [inputs.settings.size.width, inputs.settings.size.height]);
     let seen = eye.see(&surface, w.x.into(), w.y.into(), w.width as usize, w.height as usize);
     Ok(Solved { truth, seen, light: direction.as_dvec3() })
 }

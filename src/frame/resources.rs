@@ -10,7 +10,7 @@ use crate::gpu::pass::Bound;
 use crate::gpu::usage::{State, Usage};
 use crate::gpu::{Buffer, Gpu, Image, ImageDesc, Sampler};
 use crate::methods::preintegrated;
-use crate::scene::{Filter, Texture, Wrap, vertex_curvature};
+use crate::scene::{Filter, Mips, Texture, Wrap, vertex_curvature};
 use crate::settings::{ForwardCurvature, Method};
 use crate::skin::lut::Lut;
 use crate::skin::penumbra;
@@ -97,7 +97,7 @@ impl Resources {
         let mut samplers = Vec::new();
         let mut kinds: Vec<([Wrap; 2], Filter)> = Vec::new();
         let mut textures = Vec::new();
-        let ready: Vec<Pixels> = scene.textures.par_iter().map(mip_chain).collect();
+        let ready: Vec<Pixels> = scene.textures.par_iter().map(mipped).collect();
         for (texture, pixels) in scene.textures.iter().zip(ready) {
             let kind = (texture.wrap, texture.filter);
             let index = match kinds.iter().position(|k| *k == kind) {
@@ -256,66 +256,14 @@ fn single(name: &str, format: vk::Format, bytes: &[u8]) -> Pixels {
     Pixels { desc: ImageDesc::new(name, format, [1, 1], usage), bytes: bytes.to_vec(), mips: vec![(0, [1, 1])] }
 }
 
-/// Box-filtered mips, in linear light where the texture is a colour.
-fn mip_chain(texture: &Texture) -> Pixels {
+/// A texture with its mips.
+fn mipped(texture: &Texture) -> Pixels {
     let format = if texture.srgb { vk::Format::R8G8B8A8_SRGB } else { vk::Format::R8G8B8A8_UNORM };
-    let mut size = [texture.width, texture.height];
-    let mut bytes = texture.rgba8.clone();
-    let mut mips = vec![(0, size)];
-    let decode: Vec<f32> = (0..256u32)
-        .map(|i| {
-            let c = i as f32 / 255.;
-            if !texture.srgb {
-                c
-            } else if c <= 0.04045 {
-                c / 12.92
-            } else {
-                ((c + 0.055) / 1.055).powf(2.4)
-            }
-        })
-        .collect();
-    let encode = |x: f32| {
-        let c = if !texture.srgb {
-            x
-        } else if x <= 0.003_130_8 {
-            x * 12.92
-        } else {
-            1.055 * x.powf(1. / 2.4) - 0.055
-        };
-        (c * 255. + 0.5) as u8
-    };
-    let mut last = 0;
-    while size != [1, 1] {
-        let next = size.map(|x| (x / 2).max(1));
-        let mut level = Vec::with_capacity((next[0] * next[1] * 4) as usize);
-        let texel = |x: u32, y: u32| last + ((y.min(size[1] - 1) * size[0] + x.min(size[0] - 1)) * 4) as usize;
-        for y in 0..next[1] {
-            for x in 0..next[0] {
-                let at = [
-                    texel(2 * x, 2 * y),
-                    texel(2 * x + 1, 2 * y),
-                    texel(2 * x, 2 * y + 1),
-                    texel(2 * x + 1, 2 * y + 1),
-                ];
-                for c in 0..3 {
-                    level.push(encode(at.iter().map(|i| decode[bytes[i + c] as usize]).sum::<f32>() / 4.));
-                }
-                level.push((at.iter().map(|i| u32::from(bytes[i + 3])).sum::<u32>().div_ceil(4)) as u8);
-            }
-        }
-        last = bytes.len();
-        mips.push((last as u64, next));
-        bytes.extend_from_slice(&level);
-        size = next;
-    }
-    let mut desc = ImageDesc::new(
-        &texture.name,
-        format,
-        [texture.width, texture.height],
-        vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
-    );
-    desc.mips = mips.len() as u32;
-    Pixels { desc, bytes, mips }
+    let Mips { bytes, levels } = Mips::of(texture);
+    let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
+    let mut desc = ImageDesc::new(&texture.name, format, [texture.width, texture.height], usage);
+    desc.mips = levels.len() as u32;
+    Pixels { desc, bytes, mips: levels }
 }
 
 /// Copies in flight: recorded together, submitted once.

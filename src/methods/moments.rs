@@ -13,6 +13,6 @@ pub fn frame(p: &mut Plan, s: &Setup) {
     visibility::add(p, s); // viewz normal shadow                   -> lit
     curvature::add(p, s); //  viewz normal                          -> curvature   (for ambient occlusion)
     blur::add(p, s); //       viewz normal curvature lit            -> soft0.. softlit0..
-    gather::add(p, s); //     viewz shadow                          -> softlit..   (wide levels)
-    light::add(p, s); //      G-buffer soft softlit                 -> ldr or exr
+    gather::add(p, s); //     viewz normal shadow                   -> gathered..  (wide levels)
+    light::add(p, s); //      G-buffer soft softlit gathered        -> ldr or exr
 }

@@ -13,6 +13,7 @@ mod gltf;
 mod light;
 mod material;
 mod mesh_curvature;
+mod mips;
 mod normals;
 mod shape;
 mod shape_mesh;
@@ -27,6 +28,7 @@ pub use error::SceneError;
 pub use light::{Light, LightKind, direction_from};
 pub use material::{Alpha, Filter, Material, Texture, Wrap};
 pub use mesh_curvature::vertex_curvature;
+pub use mips::Mips;
 pub use shape::{ShapeSpec, shape_curvature, shape_normal};
 
 /// Everything a frame can draw, in mm, relative to [`origin`](Self::origin).

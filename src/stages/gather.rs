@@ -1,4 +1,4 @@
-//! gather: viewz, shadow, and softlit + softgeo with normal maps -> gathered, for the wide levels. Light found in the shadow map, hidden parts of the surface included.
+//! gather: viewz, normal, shadow, and softlit + softgeo with normal maps -> gathered, for the wide levels. Light found in the shadow map, hidden parts of the surface included.
 
 use super::tiles;
 use crate::frame::setup::Setup;
@@ -16,6 +16,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
             .constant("STRIDE", level.stride)
             .constant("TAPS", s.taps)
             .bind("target", target)
+            .bind("normal", if s.detail { "facet" } else { "normal" })
             .bind("blurred", format!("softlit{i}"))
             .bind("blurred_geo", format!("softgeo{i}"))
             .push(&(level.variance as f32));

@@ -6,7 +6,7 @@
 //! found by rays around each pixel ([`near`]), and a smooth far part summed over surface samples in a tree ([`cloud`]).
 //! Everything is done twice with independent samples; the difference tells the error.
 //!
-//! Units: mm; irradiance as the lights have it. What is not modelled: alpha (cut-outs are whole), mip levels of normal maps.
+//! Units: mm; irradiance as the lights have it. What is not modelled: alpha (cut-outs are whole).
 
 pub mod bands;
 pub mod bump;
@@ -139,7 +139,7 @@ pub fn solve(
         return Err(TruthError::Window(window, size[0], size[1]));
     }
     let shadows = !inputs.settings.no_shadows;
-    let surface = Surface::new(scene, &inputs.camera);
+    let surface = Surface::new(scene, &inputs.camera, size);
     let eye = Eye::new(&inputs.camera, size, scene);
     let width = window.width as usize + 2 * BORDER;
     let corner = [i64::from(window.x) - BORDER as i64, i64::from(window.y) - BORDER as i64];
@@ -297,9 +297,6 @@ fn warnings(inputs: &Inputs<'_>) -> Vec<String> {
     let cut = materials.iter().filter(|m| m.alpha != Alpha::Opaque).count();
     if cut > 0 {
         said.push(format!("{cut} materials have alpha, which truth ignores: cut-outs are whole"));
-    }
-    if materials.iter().any(|m| m.normal_texture.is_some()) {
-        said.push("normal maps are read at full resolution; the renderer reads mip levels".to_owned());
     }
     said
 }

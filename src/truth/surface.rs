@@ -1,7 +1,8 @@
 //! The scene as a surface that rays meet: triangles in f64 behind a hierarchy of f32 boxes.
 
 use super::bump;
-use crate::scene::{Camera, Projection, Scene};
+use crate::frame::setup::ViewFacts;
+use crate::scene::{Camera, Mips, Projection, Scene};
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -9,6 +10,7 @@ use obvhs::bvh2::builder::build_bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::ray::{Ray, RayHit};
 use obvhs::{Boundable, BvhBuildParams};
+use rayon::prelude::*;
 use std::time::Duration;
 
 /// Boxes are widened, and hits this near a shadow ray's start ignored, by this part of the scene's extent: above the
@@ -77,6 +79,15 @@ pub struct Surface<'a> {
     boxes: Bvh2,
     eye: Eye,
     slack: f64,
+    normal_maps: Vec<Option<Mips>>,
+    steps: Steps,
+}
+
+/// How the places behind neighbouring pixels differ: what mip levels follow from.
+struct Steps {
+    /// The camera's axes to the right and up, over the pixels that a mm covers at unit distance.
+    across: [DVec3; 2],
+    forward: DVec3,
 }
 
 /// What decides which side of a double-sided triangle is seen.
@@ -95,7 +106,9 @@ impl Boundable for Bound {
 
 impl<'a> Surface<'a> {
     /// Builds the hierarchy. Alpha is ignored: what is cut out elsewhere is whole here.
-    pub fn new(scene: &'a Scene, camera: &Camera) -> Self {
+    ///
+    /// Normal maps are read at the mip level that a picture of `size` pixels reads.
+    pub fn new(scene: &'a Scene, camera: &Camera, size: [u32; 2]) -> Self {
         let vertex = |i: u32| DVec3::from_array(scene.positions[i as usize].map(f64::from));
         let mut faces = Vec::with_capacity(scene.triangle_count());
         for draw in &scene.draws {
@@ -121,7 +134,13 @@ impl<'a> Surface<'a> {
             Projection::Perspective { .. } => Eye::At(camera.eye.as_dvec3()),
             Projection::Orthographic { .. } => Eye::Along(camera.forward.as_dvec3()),
         };
-        Self { faces, scene, boxes, eye, slack }
+        let used = |i: usize| scene.materials.iter().any(|m| m.normal_texture.is_some_and(|t| t.0 == i));
+        let maps: Vec<usize> = (0..scene.textures.len()).collect();
+        let normal_maps = maps.par_iter().map(|i| used(*i).then(|| Mips::of(&scene.textures[*i]))).collect();
+        let pixels = ViewFacts::new(camera, size, scene.bounds.min, scene.bounds.max).pixels_per_mm;
+        let across = [camera.right, camera.up].map(|axis| axis.as_dvec3() / pixels);
+        let steps = Steps { across, forward: camera.forward.as_dvec3() };
+        Self { faces, scene, boxes, eye, slack, normal_maps, steps }
     }
 
     /// Whether a face's material has a profile.
@@ -196,8 +215,34 @@ impl<'a> Surface<'a> {
             // Seen from behind: the lift would sink.
             (lifted, sign) = (position, -1.);
         }
-        let normal = bump::normal(self.scene, f, shares, smooth * sign, sign);
+        let texels = |size: [f64; 2]| self.texels_per_pixel(f, position, size);
+        let normal = bump::normal(self.scene, &self.normal_maps, f, shares, smooth * sign, sign, texels);
         Place { position, lifted, normal, smooth: smooth * sign, facet, face }
+    }
+
+    /// Texels of a map of `size` between neighbouring pixels, along the axis of the picture where there are more. Of any place,
+    /// seen or not, as if nothing stood before it.
+    fn texels_per_pixel(&self, f: &Face, position: DVec3, size: [f64; 2]) -> f64 {
+        let (forward, cross) = (self.steps.forward, f.cross());
+        // Position = eye + distance * ray; a step to the next pixel stays in the plane of the face.
+        let (ray, distance) = match self.eye {
+            Eye::At(eye) => {
+                let distance = (position - eye).dot(forward);
+                ((position - eye) / distance, distance)
+            }
+            Eye::Along(forward) => (forward, 1.),
+        };
+        let uv = f.vertices.map(|i| self.scene.uvs.get(i as usize).map_or([0.; 2], |c| c.map(f64::from)));
+        let [a, b, c] = f.corners;
+        let (e, g, square) = (b - a, c - a, cross.length_squared());
+        let texels = |axis: DVec3| {
+            let step = distance * (axis - ray * (cross.dot(axis) / cross.dot(ray)));
+            let (s, t) = (step.cross(g).dot(cross) / square, e.cross(step).dot(cross) / square);
+            let along = |k: usize| (s * (uv[1][k] - uv[0][k]) + t * (uv[2][k] - uv[0][k])) * size[k];
+            along(0).hypot(along(1))
+        };
+        let [x, y] = self.steps.across.map(texels);
+        x.max(y)
     }
 
     fn towards_eye(&self, position: DVec3) -> DVec3 {
