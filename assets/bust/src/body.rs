@@ -134,7 +134,7 @@ pub fn body(p: DVec3) -> f64 {
     }
     let mut trunk = neck(p);
     // Sternomastoid, from behind the ear to the breastbone.
-    let strap = cone(p, [58., -52., -26.], [12., -202., 22.], 9., 5.5);
+    let strap = cone(p, [53., -62., -26.], [12., -202., 22.], 7., 5.5);
     trunk = join(trunk, strap, 13.);
     // Larynx.
     trunk -= 2.5 * bump(p, [0., -146., 37.], [8., 12., 12.]);

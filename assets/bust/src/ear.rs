@@ -46,16 +46,25 @@ fn local(p: DVec3) -> DVec3 {
     dvec3(back * cf + q.x * sf, up, q.x * cf - back * sf)
 }
 
+fn outline(q: DVec3) -> f64 {
+    let disc = |c: &[f64; 3]| (q.x - c[0]).hypot(q.y - c[1]) - c[2];
+    OUTLINE.iter().map(disc).reduce(|a, b| join(a, b, 8.)).unwrap_or(f64::MAX)
+}
+
+/// How far a point of the head is from the ear, about mm; `p.x` is not negative.
+pub fn apart(p: DVec3) -> f64 {
+    let q = local(p);
+    outline(q).max(-5. - q.z)
+}
+
 /// The ear joined to a head; `p.x` is not negative.
 pub fn ear(d: f64, p: DVec3) -> f64 {
     if p.distance_squared(CENTER) > 60. * 60. {
         return d;
     }
     let q = local(p);
-    let disc = |c: &[f64; 3]| (q.x - c[0]).hypot(q.y - c[1]) - c[2];
-    let outline = OUTLINE.iter().map(disc).reduce(|a, b| join(a, b, 8.)).unwrap_or(f64::MAX);
     let sheet = (q.z - 0.2 + 0.006 * (q.x * q.x)).abs() - 1.5;
-    let mut ear = meet(outline, sheet, 2.5);
+    let mut ear = meet(outline(q), sheet, 2.5);
     // What holds it to the head, hollowed by the bowl.
     let stalk = cone(q, [-7., 5., -9.], [-7., -9., -9.], 8.5, 8.);
     ear = join(ear, stalk, 5.);

@@ -176,8 +176,8 @@ pub fn write(half: &Mesh, uv: &[DVec2], textures: &Textures, eyes_image: &image:
     });
     let eyes = json!({"name": "Eyes", "pbrMetallicRoughness": {
         "baseColorTexture": {"index": 3}, "metallicFactor": 0, "roughnessFactor": 0.09}});
-    // A portrait: from the side away from the key, a little above, the shoulders in the picture.
-    let (yaw, pitch, distance, target) = (-24f64.to_radians(), 3f64.to_radians(), 830., dvec3(0., -72., 5.));
+    // A portrait: from the side of the key, a little above, the shoulders in the picture.
+    let (yaw, pitch, distance, target) = (22f64.to_radians(), 3f64.to_radians(), 830., dvec3(0., -72., 5.));
     let d = dvec3(yaw.sin() * pitch.cos(), pitch.sin(), yaw.cos() * pitch.cos());
     let eye = (target + distance * d) / 1000.;
     let turn = glam::DQuat::from_rotation_y(yaw) * glam::DQuat::from_rotation_x(-pitch);
