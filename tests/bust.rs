@@ -137,7 +137,8 @@ fn its_normals_are_those_of_its_surface() {
             (b - a).cross(c - a)
         };
         let all = triangles(scene, &["Skin", "Hair", "Eyes"]);
-        let against = |t: &&[usize; 3]| t.iter().any(|&i| Vec3::from(scene.normals[i]).dot(flat(t).normalize_or_zero()) < 0.);
+        let against =
+            |t: &&[usize; 3]| t.iter().any(|&i| Vec3::from(scene.normals[i]).dot(flat(t).normalize_or_zero()) < 0.);
         let area: f32 = all.iter().map(|t| flat(t).length()).sum();
         all.iter().filter(against).map(|t| flat(t).length()).sum::<f32>() / area
     };

@@ -23,7 +23,8 @@ pub fn bake(mesh: &Mesh, uv: &[DVec2], size: u32) -> Textures {
     let painted: Vec<_> = points.par_iter().map(|p| p.map(paint::skin)).collect();
     let color = painted.iter().map(|look| look.map(|l| l.albedo.to_array().map(encode))).collect();
     let coarse = cover(mesh, uv, size / 2);
-    let seen: Vec<_> = coarse.par_iter().map(|p| p.map(|p| [byte(open(p)), byte(paint::skin(p).roughness), 0])).collect();
+    let seen: Vec<_> =
+        coarse.par_iter().map(|p| p.map(|p| [byte(open(p)), byte(paint::skin(p).roughness), 0])).collect();
     let rough = size / 2;
     let deep = cover(mesh, uv, size / 4);
     let deep: Vec<_> = deep.par_iter().map(|p| p.map(|p| [byte(thickness(p) / THICKEST); 3])).collect();
@@ -43,7 +44,12 @@ fn cover(mesh: &Mesh, uv: &[DVec2], size: u32) -> Vec<Option<DVec3>> {
             for x in low.x as i64..=high.x as i64 {
                 let q = dvec2(x as f64, y as f64);
                 let (v, w) = ((q - a).perp_dot(c - a) / area, (b - a).perp_dot(q - a) / area);
-                if v >= 0. && w >= 0. && v + w <= 1. && (0..i64::from(size)).contains(&x) && (0..i64::from(size)).contains(&y) {
+                if v >= 0.
+                    && w >= 0.
+                    && v + w <= 1.
+                    && (0..i64::from(size)).contains(&x)
+                    && (0..i64::from(size)).contains(&y)
+                {
                     let [pa, pb, pc] = t.map(|i| mesh.positions[i as usize]);
                     points[(y * i64::from(size) + x) as usize] = Some(pa * (1. - v - w) + pb * v + pc * w);
                 }

@@ -65,10 +65,21 @@ pub fn ball(rings: u32, sides: u32) -> (Vec<Vertex>, Vec<[u32; 3]>) {
     };
     let vertex = |direction: DVec3, turn: DVec2, ring: u32| {
         let p = surface(direction);
-        let grow = |d: f64| surface((direction + dvec3(turn.x * direction.z, turn.y * direction.z, -direction.truncate().length()) * d).normalize());
+        let grow = |d: f64| {
+            surface(
+                (direction + dvec3(turn.x * direction.z, turn.y * direction.z, -direction.truncate().length()) * d)
+                    .normalize(),
+            )
+        };
         let along = grow(1e-3) - grow(-1e-3);
         let across = dvec3(-turn.y, turn.x, 0.);
-        let normal = if ring == 0 { DVec3::Z } else if ring == rings { DVec3::NEG_Z } else { along.cross(across).normalize() };
+        let normal = if ring == 0 {
+            DVec3::Z
+        } else if ring == rings {
+            DVec3::NEG_Z
+        } else {
+            along.cross(across).normalize()
+        };
         let q = if ring == rings { dvec2(0.5, 0.5) + REACH * dvec2(turn.x, -turn.y) } else { chart(direction) };
         Vertex { position: DVec3::from(EYE) + p, normal: normal * normal.dot(p).signum(), uv: q }
     };

@@ -52,9 +52,11 @@ fn eyes(d: f64, p: DVec3) -> f64 {
     d += 0.6 * width * (-(below / 2.0).powi(2)).exp();
     d += 1.2 * bump(p, [20., -13., 86.], [9., 4., 20.]);
     // Between the lids only the ball is seen, and the pink flesh in its corners.
-    let flesh = sphere(p, EYE, EYE_RADIUS - 0.5)
-        .min(sphere(p, [EYE[0] - 12.4, -1.8, EYE[2] + 4.2], 3.9))
-        .min(sphere(p, [EYE[0] + 11.6, 0.4, EYE[2] + 0.8], 3.6));
+    let flesh = sphere(p, EYE, EYE_RADIUS - 0.5).min(sphere(p, [EYE[0] - 12.2, -1.7, EYE[2] + 3.0], 3.8)).min(sphere(
+        p,
+        [EYE[0] + 11.6, 0.4, EYE[2] + 0.8],
+        3.6,
+    ));
     let hole = meet(opening(p), -flesh, 0.3).max(EYE[2] - p.z);
     carve(d, hole, 0.9)
 }
@@ -97,7 +99,7 @@ pub fn vermilion(x: f64) -> [f64; 2] {
 }
 
 fn mouth(d: f64, p: DVec3) -> f64 {
-    if !(-110. .. -35.).contains(&p.y) || p.x > 50. || p.z < 50. {
+    if !(-110. ..-35.).contains(&p.y) || p.x > 50. || p.z < 50. {
         return d;
     }
     let line = parting(p.x);

@@ -61,9 +61,11 @@ impl File {
             (0..3).for_each(|k| (low[k], high[k]) = (low[k].min(p[k]), high[k].max(p[k])));
         }
         let count = places.len();
-        let bytes = |list: &[[i16; 4]]| -> Vec<u8> { list.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect() };
+        let bytes =
+            |list: &[[i16; 4]]| -> Vec<u8> { list.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect() };
         let view = self.view(&bytes(&places), Some(8), VERTICES);
-        let position = self.accessor(json!({"bufferView": view, "componentType": 5122, "normalized": true, "type": "VEC3",
+        let position = self
+            .accessor(json!({"bufferView": view, "componentType": 5122, "normalized": true, "type": "VEC3",
             "count": count, "min": low, "max": high}));
         let normals: Vec<[i16; 4]> = soup.normals.iter().map(|&n| four(n)).collect();
         let view = self.view(&bytes(&normals), Some(8), VERTICES);
@@ -82,8 +84,9 @@ impl File {
     fn primitive(&mut self, attributes: &Value, triangles: &[[u32; 3]], material: usize) -> Value {
         let bytes: Vec<u8> = triangles.as_flattened().iter().flat_map(|&i| (i as u16).to_le_bytes()).collect();
         let view = self.view(&bytes, None, Some(34963));
-        let indices =
-            self.accessor(json!({"bufferView": view, "componentType": 5123, "type": "SCALAR", "count": 3 * triangles.len()}));
+        let indices = self.accessor(
+            json!({"bufferView": view, "componentType": 5123, "type": "SCALAR", "count": 3 * triangles.len()}),
+        );
         json!({"attributes": attributes, "indices": indices, "material": material})
     }
 

@@ -5,7 +5,9 @@ use bust::{bake, glb, mesh, unwrap};
 
 fn main() -> Result<()> {
     let told: Vec<String> = std::env::args().skip(1).collect();
-    let number = |i: usize, default: f64| told.get(i).map_or(Ok(default), |t| t.parse().with_context(|| format!("'{t}' is no number")));
+    let number = |i: usize, default: f64| {
+        told.get(i).map_or(Ok(default), |t| t.parse().with_context(|| format!("'{t}' is no number")))
+    };
     let out = told.first().map_or(concat!(env!("CARGO_MANIFEST_DIR"), "/../bust.glb"), String::as_str);
     let (cell, triangles, texels) = (number(1, 0.8)?, number(2, 60_000.)? as usize, number(3, 1024.)? as u32);
     let start = std::time::Instant::now();

@@ -96,7 +96,8 @@ fn untangle(field: &mut [f32], count: glam::USizeVec3) {
                 let sound = &sound;
                 (0..count.y - 1).flat_map(move |y| {
                     let cell = move |x: usize| z * dz + y * dy + x;
-                    let inside = move |i: usize| (0..8).fold(0, |m, k| m | usize::from(samples[i + corner(k)] < 0.) << k);
+                    let inside =
+                        move |i: usize| (0..8).fold(0, |m, k| m | usize::from(samples[i + corner(k)] < 0.) << k);
                     (1..count.x - 1).map(cell).filter(move |&i| !sound[inside(i)])
                 })
             })
@@ -135,7 +136,9 @@ fn one_sheet(inside: u8) -> bool {
         let at = |k: u8| inside >> (k | side) & 1;
         at(0) == at(a | b) && at(a) == at(b) && at(0) != at(a)
     };
-    connected(inside) && connected(!inside) && ![1, 2, 4].iter().any(|&axis| chequered(axis, 0) || chequered(axis, axis))
+    connected(inside)
+        && connected(!inside)
+        && ![1, 2, 4].iter().any(|&axis| chequered(axis, 0) || chequered(axis, axis))
 }
 
 /// Onto the surface by Newton's steps, at most a cell away; what lies at x = 0 stays there.
@@ -180,6 +183,10 @@ fn thin(mesh: &mut Mesh, target: usize) {
             *mesh = compact(Mesh { positions: std::mem::take(&mut mesh.positions), triangles });
             return;
         }
+        // Locking mends only what the collapses pinched; a field that is pinched itself is refused where it is unwrapped.
+        if !pinches(&mesh.triangles, &mesh.positions).is_empty() {
+            return;
+        }
         for i in pinched {
             let at = mesh.positions[i as usize];
             let near = |p: &DVec3| p.distance_squared(at) < LOCK_RADIUS * LOCK_RADIUS;
@@ -208,7 +215,10 @@ fn pinches(triangles: &[[u32; 3]], positions: &[DVec3]) -> Vec<u32> {
                 break;
             }
         }
-        next.len() == edges.len() && ends.len() == edges.len() && open.len() <= usize::from(positions[i as usize].x == 0.) && steps == edges.len()
+        next.len() == edges.len()
+            && ends.len() == edges.len()
+            && open.len() <= usize::from(positions[i as usize].x == 0.)
+            && steps == edges.len()
     };
     fans.into_iter().filter(|(i, edges)| !whole(*i, edges)).map(|(i, _)| i).collect()
 }

@@ -29,7 +29,8 @@ pub fn skin(p: DVec3) -> Look {
     let p = dvec3(p.x.abs(), p.y, p.z);
     let mut albedo = rgb(219., 178., 157.);
     // Blood: cheeks, nose, ears, chin; sallow under the eyes and on the neck; broad mottling.
-    let mut blood = 0.55 * bump(p, [46., -28., 75.], [20., 17., 25.]) + 0.55 * bump(p, [0., -40., 112.], [15., 12., 16.])
+    let mut blood = 0.55 * bump(p, [46., -28., 75.], [20., 17., 25.])
+        + 0.55 * bump(p, [0., -40., 112.], [15., 12., 16.])
         + 0.75 * step(70., 78., p.x) * bump(p, [80., -17., -15.], [40., 40., 28.])
         + 0.25 * bump(p, [0., -104., 98.], [18., 12., 20.])
         + 0.3 * bump(p, [14., -42., 100.], [7., 9., 12.]);
@@ -62,7 +63,8 @@ pub fn skin(p: DVec3) -> Look {
         let flesh = step(-9.5, -11.5, p.x - EYE[0]) * step(0.4, -0.4, open);
         albedo = albedo.lerp(rgb(206., 138., 124.), flesh);
         let [upper, _] = lids(p.x - EYE[0]);
-        let lash = step(1.3, 0.4, open.abs()) * step(-1.2, 0.2, p.y - EYE[1] - upper + 1.) * step(-11., -6., p.x - EYE[0]);
+        let lash =
+            step(1.3, 0.4, open.abs()) * step(-1.2, 0.2, p.y - EYE[1] - upper + 1.) * step(-11., -6., p.x - EYE[0]);
         albedo = albedo.lerp(rgb(52., 36., 30.), 0.8 * lash);
         roughness = mix(roughness, 0.35, margin);
     }
@@ -85,11 +87,13 @@ pub fn hair(p: DVec3) -> f64 {
 /// How much of a point is eyebrow.
 fn brow(side: DVec3, p: DVec3) -> f64 {
     let flat = dvec3(p.x, p.y, 0.);
-    let line = cone(flat, [12., 14., 0.], [37., 22., 0.], 4.2, 3.4).min(cone(flat, [37., 22., 0.], [54., 16., 0.], 3.4, 1.2));
+    let line =
+        cone(flat, [12., 14., 0.], [37., 22., 0.], 4.2, 3.4).min(cone(flat, [37., 22., 0.], [54., 16., 0.], 3.4, 1.2));
     // Hairs lie along the brow, rising near the nose.
     let rise = mix(0.9, 0., step(12., 30., p.x));
     let along = dvec3(side.x.abs() + rise * p.y, p.y - rise * side.x.abs() * 0.4, side.x.signum() * 9.);
-    let hairs = noise(dvec3(along.x / 3.0, along.y / 0.7, along.z)) + 0.5 * noise(dvec3(along.x / 1.6, along.y / 0.4, along.z));
+    let hairs =
+        noise(dvec3(along.x / 3.0, along.y / 0.7, along.z)) + 0.5 * noise(dvec3(along.x / 1.6, along.y / 0.4, along.z));
     0.85 * step(1.6, -2.2, line + 0.9 * hairs) * (0.72 + 0.28 * hairs).clamp(0., 1.)
 }
 
@@ -102,7 +106,8 @@ pub fn eye(p: DVec3) -> Look {
     let mut albedo = rgb(226., 217., 208.);
     let veins = (noise(side / 1.2 + 11.).abs() < 0.06) as u8 as f64 * step(7., 11., r);
     albedo = albedo.lerp(rgb(206., 150., 138.), 0.5 * veins + 0.5 * step(8., 12., r));
-    let fibre = noise(dvec3(12. * turn.cos(), 12. * turn.sin(), r / 2.)) + 0.5 * noise(dvec3(25. * turn.cos(), 25. * turn.sin(), r));
+    let fibre = noise(dvec3(12. * turn.cos(), 12. * turn.sin(), r / 2.))
+        + 0.5 * noise(dvec3(25. * turn.cos(), 25. * turn.sin(), r));
     let iris = rgb(104., 86., 60.).lerp(rgb(98., 104., 100.), step(2.8, 4.6, r)) * (1. + 0.35 * fibre);
     let iris = iris * mix(1., 0.35, step(4.9, 5.8, r));
     albedo = albedo.lerp(iris, step(6.1, 5.6, r));

@@ -80,9 +80,8 @@ fn pin(mesh: &Mesh, border: &[u32], uv: &mut [DVec2]) -> Result<()> {
     let (top, bottom) = (nearest(CUT[0]), nearest(CUT[1]));
     ensure!(top != bottom, "the cut has no length");
     let n = border.len();
-    let run = |from: usize, to: usize| -> Vec<u32> {
-        (0..=(to + n - from) % n).map(|k| border[(from + k) % n]).collect()
-    };
+    let run =
+        |from: usize, to: usize| -> Vec<u32> { (0..=(to + n - from) % n).map(|k| border[(from + k) % n]).collect() };
     // One run from top to bottom crosses the face, the other is the cut.
     let (one, mut other) = (run(top, bottom), run(bottom, top));
     other.reverse();
@@ -145,14 +144,15 @@ fn weights(mesh: &Mesh) -> Vec<Vec<(u32, f64)>> {
 fn settle(rows: &[Vec<(u32, f64)>], fixed: &[bool], uv: &mut [DVec2]) -> Result<()> {
     let sums: Vec<f64> = rows.iter().map(|row| row.iter().map(|(_, w)| w).sum()).collect();
     // How far a vertex is from where its neighbours pull it; zero where it is held.
-    let pull = |x: &[DVec2]| -> Vec<DVec2> {
-        (0..rows.len())
-            .into_par_iter()
-            .map(|i| {
-                if fixed[i] { DVec2::ZERO } else { rows[i].iter().map(|&(j, w)| w * (x[j as usize] - x[i])).sum() }
-            })
-            .collect()
-    };
+    let pull =
+        |x: &[DVec2]| -> Vec<DVec2> {
+            (0..rows.len())
+                .into_par_iter()
+                .map(|i| {
+                    if fixed[i] { DVec2::ZERO } else { rows[i].iter().map(|&(j, w)| w * (x[j as usize] - x[i])).sum() }
+                })
+                .collect()
+        };
     // Both coordinates are one system with two right sides, each with its own steps.
     let dot = |a: &[DVec2], b: &[DVec2]| -> DVec2 { a.iter().zip(b).map(|(a, b)| *a * *b).sum() };
     let scaled = |r: &[DVec2]| -> Vec<DVec2> { r.iter().zip(&sums).map(|(r, s)| *r / *s).collect() };
