@@ -13,8 +13,12 @@ pub enum Method {
     Pdss,
     /// Un-normalised blurred normals and their spread, closed form per Gaussian of the profile.
     Moments,
+    /// Forward: one look-up by the surface's curvature, blurred normal maps and shadow edges (Penner & Borshukov 2011).
+    Preintegrated,
     /// Irradiance blurred in screen space, a separable pair of passes a Gaussian (Jimenez & Gutierrez 2010).
     Gaussians,
+    /// Irradiance blurred in screen space by one separable pair of passes (Jimenez et al. 2015).
+    Separable,
 }
 
 /// Where the surface's colour acts, for methods that scatter light itself (d'Eon & Luebke 2007).
@@ -26,6 +30,28 @@ pub enum Texturing {
     Post,
     /// Its square root where light enters, and again where it leaves: texture softens as light does.
     PrePost,
+}
+
+/// Where the kernel of `separable` comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SeparableKernel {
+    /// The profile's own integral along a line: exact for light that changes in one direction of the two.
+    #[default]
+    Profile,
+    /// The constants of the authors' own code, made for skin; scaled with the profile's widest Gaussian.
+    Authors,
+}
+
+/// Whether light that enters on the far side of a thin part leaves on the near one, for `separable`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Transmittance {
+    /// By the thickness that the shadow map measures, as the authors' code does (Jimenez et al. 2010).
+    #[default]
+    On,
+    /// Not.
+    Off,
 }
 
 /// How much work a method does; passes and resolution follow from it unless they are given.
@@ -56,6 +82,16 @@ pub enum Curvature {
     Metric,
     /// Eight neighbours, weighted least squares.
     Fit,
+}
+
+/// Where `preintegrated` has its curvature from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ForwardCurvature {
+    /// |fwidth N| / |fwidth P| of the pixel's quad, as published.
+    Derivative,
+    /// Of the mesh, computed once and interpolated: no facets.
+    Vertex,
 }
 
 /// Resolution of the blur.
@@ -172,12 +208,21 @@ pub struct Settings {
     /// Which kernels run where there are two.
     #[arg(long, value_enum, default_value_t)]
     pub kernels: Kernels,
-    /// Integral behind the look-up table of `pdss`.
+    /// Curvature of `preintegrated`; default: derivative at low and medium quality, vertex above.
+    #[arg(long, value_enum)]
+    pub forward_curvature: Option<ForwardCurvature>,
+    /// Integral behind the look-up table of `pdss` and `preintegrated`.
     #[arg(long, value_enum, default_value_t)]
     pub integral: Integral,
     /// Where the surface's colour acts, for methods that scatter light itself.
     #[arg(long, value_enum, default_value_t)]
     pub texturing: Texturing,
+    /// Kernel of `separable`.
+    #[arg(long, value_enum, default_value_t)]
+    pub separable_kernel: SeparableKernel,
+    /// Light through thin parts, for `separable`.
+    #[arg(long, value_enum, default_value_t)]
+    pub transmittance: Transmittance,
     /// What the picture shows.
     #[arg(long, value_enum, default_value_t)]
     pub view: View,
@@ -231,8 +276,11 @@ impl Default for Settings {
             passes: None,
             resolution: None,
             kernels: Kernels::default(),
+            forward_curvature: None,
             integral: Integral::default(),
             texturing: Texturing::default(),
+            separable_kernel: SeparableKernel::default(),
+            transmittance: Transmittance::default(),
             view: View::default(),
             tone_map: ToneMap::default(),
             exposure: 0.,

@@ -6,11 +6,14 @@
 pub mod blur;
 pub mod combine;
 pub mod curvature;
+pub mod forward;
 pub mod gaussians;
 pub mod gbuffer;
 pub mod irradiance;
 pub mod light;
+pub mod separable;
 pub mod shadow;
 pub mod tiles;
+pub mod transmittance;
 pub mod view;
 pub mod visibility;
