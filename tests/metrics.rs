@@ -144,13 +144,13 @@ fn concave(
     let mut scene = Scene::shape(shape)?;
     scene.assign_profile(None, 0)?;
     let camera = Camera::orbit(camera[0], camera[1], camera[2], None, 30., &scene);
-    let settings = Settings { size: Size { width: 64, height: 64 }, no_shadows: true, ..Settings::default() };
+    let settings = Settings { size: Size { width: 96, height: 96 }, no_shadows: true, ..Settings::default() };
     let (lights, profile) = (vec![Light::directional(20., 30., 1.)], Some(Profile::resolve("skin")?));
     let inputs = Inputs { scene: &scene, camera, lights, profile, settings, timing: None, output: Output::Linear };
     let effort = Effort { samples: 100_000, max_error: 1., ..Effort::default() };
     let truth = truth::solve(&inputs, None, &effort, |_| ())?;
     let surface = truth::surface::Surface::new(&scene, &inputs.camera);
-    let seen = truth::eye::Eye::new(&inputs.camera, [64; 2], &scene).see(&surface, 0, 0, 64, 64);
+    let seen = truth::eye::Eye::new(&inputs.camera, [96; 2], &scene).see(&surface, 0, 0, 96, 96);
     let (mut right, mut all, mut marked) = (0, 0, 0);
     for (s, b) in seen.iter().zip(&truth.bands).filter_map(|(s, b)| Some((s.as_ref()?, b))) {
         // Neighbours beyond a silhouette are left out of the fit; what remains there is not asked.

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
-const EFFORT: Effort = Effort { samples: 20_000, max_error: 1., opening: 0.2 };
+const EFFORT: Effort = Effort { samples: 200_000, max_error: 1., opening: 0.2 };
 
 /// A sphere of 160 x 160 pixels lit from `yaw`; `half_way` is told when half is done.
 fn solve(file: &Path, yaw: f64, half_way: impl Fn() + Sync) -> Result<Truth, Box<dyn std::error::Error>> {
