@@ -62,6 +62,7 @@
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod compare;
 pub mod frame;
 pub mod gpu;
 pub mod methods;

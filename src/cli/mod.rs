@@ -1,11 +1,13 @@
 //! The command line: thin, one file per subcommand. Machine output goes to stdout alone, words for people to stderr.
 
 mod args;
+mod compare;
 mod devices;
 mod diff;
 mod explain;
 mod failure;
 mod profile;
+mod progress;
 mod render;
 mod truth;
 
@@ -34,6 +36,8 @@ enum Command {
     Explain(explain::Explain),
     /// Integrate the converged answer that methods are held against; needs no device.
     Truth(truth::Truth),
+    /// Hold all methods against truth and against the clock: error against run time.
+    Compare(compare::Compare),
     /// Say how wrong one picture is against another.
     Diff(diff::Diff),
     /// List the Vulkan devices.
@@ -47,6 +51,7 @@ pub fn main() -> ExitCode {
         Command::Profile(c) => c.run(),
         Command::Explain(c) => c.run(),
         Command::Truth(c) => c.run(),
+        Command::Compare(c) => c.run(),
         Command::Diff(c) => c.run(),
         Command::Devices(c) => c.run(),
     };

@@ -157,13 +157,13 @@ fn parse_window(text: &str) -> Result<Window, String> {
     }
 }
 
-fn parse_count(text: &str) -> Result<usize, String> {
+pub fn parse_count(text: &str) -> Result<usize, String> {
     text.parse()
         .ok()
         .filter(|n| (1000..=200_000_000).contains(n))
         .ok_or_else(|| "samples are 1000 to 200000000".to_owned())
 }
 
-fn parse_error(text: &str) -> Result<f64, String> {
+pub fn parse_error(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x| *x > 0. && *x <= 1.).ok_or_else(|| "that is not above 0 and at most 1".to_owned())
 }
