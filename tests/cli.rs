@@ -229,11 +229,28 @@ fn truth_is_written_whole_with_its_error_and_diff_reads_it_back() -> Outcome {
     assert!(other["whole"]["rmse"].as_f64().is_some_and(|e| e > 0.01), "the twin: different pictures differ: {other}");
     assert!(text(&diff(&[&whole, &whole])?.stdout).contains("terminator"));
     let missing = path("none.exr");
-    let cases: [(&[&str], &str); 5] = [
+    let png = path("codes.png");
+    image::RgbaImage::from_pixel(8, 8, image::Rgba([188, 188, 188, 255])).save(&png)?;
+    let flat = path("flat.exr");
+    pdss::report::picture::write_exr(Path::new(&flat), [8, 8], &[[0.502_886_5, 0.502_886_5, 0.502_886_5, 1.]; 64])?;
+    let codes = json(&[&png, &flat])?;
+    assert!(codes["whole"]["rmse"].as_f64().is_some_and(|e| e < 1e-6), "code 188 is half of white's light: {codes}");
+    assert_eq!(codes["read_as"][0], "display light, decoded from sRGB");
+    let left = path("left.png");
+    let white = |x: u32, _| image::Rgba([if x < 4 { 255 } else { 0 }, 0, 0, 255]);
+    image::RgbaImage::from_fn(8, 8, white).save(&left)?;
+    let pixels = |args: &[&str]| json(args).map(|j| j["whole"]["pixels"].as_u64());
+    assert_eq!((pixels(&[&flat, &flat])?, pixels(&[&flat, &flat, "--mask", &left])?), (Some(64), Some(32)));
+    let hdr = json(&[&window, &narrow, "--hdr"])?;
+    assert!(hdr["hdr_flip"]["mean"].as_f64().is_some_and(|f| f > 0.01), "{hdr}");
+    let cases: [(&[&str], &str); 8] = [
         (&[&whole, &window], "8x8"),
         (&[&whole, &missing], "none.exr"),
         (&[&whole, &path("a.json")], "a.json"),
         (&[&whole, &whole, "--mask", &window], "mask"),
+        (&[&whole, &whole, "--bands", &window], "bands"),
+        (&[&png, &flat, "--hdr"], "two .exr"),
+        (&[&whole, &whole, "--full", "0"], "above 0"),
         (&[&whole, &whole, "-o", &missing], ".png"),
     ];
     for (args, words) in cases {
@@ -252,8 +269,8 @@ fn truth_is_written_whole_with_its_error_and_diff_reads_it_back() -> Outcome {
     }
     assert_eq!(
         std::fs::read_dir(dir.path())?.count(),
-        10,
-        "three truths of three files each, a map, nothing half-written"
+        13,
+        "three truths of three files each, a map, three pictures of the test's own, nothing half-written"
     );
     Ok(())
 }

@@ -205,24 +205,3 @@ fn lights_have_the_units_of_the_shaders() {
     let half = at(spot, None, [(1f64 - 0.85 * 0.85).sqrt() * 1000., -850., 0.]).irradiance[0];
     assert!((half - 2.).abs() < 1e-4, "half way between the angles a quarter is left: {half}");
 }
-
-#[test]
-fn the_comparer_sees_what_is_wrong_and_leaves_out_what_it_must() {
-    let reference = vec![[0.5, 0.25, 1., 1.]; 100];
-    let same = metrics::compare([10, 10], &reference, &reference, None).whole;
-    assert_eq!((same.rmse, same.max, same.psnr_db, same.pixels), (0., 0., None, 100));
-    let mut picture = reference.clone();
-    picture[7] = [0.5, 0.55, 1., 1.];
-    picture[8][3] = 0.;
-    picture[9][0] = f32::NAN;
-    let mut bands = vec![0u8; 100];
-    bands[7] = 1;
-    let c = metrics::compare([10, 10], &picture, &reference, Some(&bands));
-    assert_eq!((c.whole.pixels, c.uncommon, c.not_finite), (98, 1, 1));
-    let expected = (0.09f64 / (3. * 98.)).sqrt();
-    assert!((c.whole.rmse - expected).abs() < 1e-7 && (c.whole.max - 0.3).abs() < 1e-6, "{:?}", c.whole);
-    assert!((c.bands[0].1.rmse_rgb[1] - 0.3).abs() < 1e-6 && c.bands[0].1.pixels == 1 && c.bands[1].1.pixels == 0);
-    assert!(c.whole.bias > 0. && c.whole.bias_rgb[0] == 0.);
-    let heat = metrics::heat(&picture, &reference, 0.3);
-    assert_eq!((&heat[28..32], &heat[0..4], &heat[32..36]), (&[255u8; 4][..], &[0, 0, 0, 255][..], &[0u8; 4][..]));
-}

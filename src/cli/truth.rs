@@ -74,7 +74,7 @@ impl Truth {
             say(&format!("warning: {warning}"));
         }
         let size = [answer.window.width, answer.window.height];
-        let bands = metrics::bands_picture(&answer.bands, &answer.pixels);
+        let bands = metrics::bands_picture(&answer.bands);
         let record = Record {
             schema: 1,
             method: "truth",

@@ -8,5 +8,6 @@ pub mod record;
 pub mod stats;
 pub mod supersample;
 pub mod table;
+pub mod tone;
 pub mod trace;
 pub mod traffic;

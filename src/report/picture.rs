@@ -1,7 +1,8 @@
 //! Pictures on disk: PNG for people, EXR for measuring. A picture appears whole under its name, or not at all.
 
+use super::tone;
 use image::codecs::openexr::{OpenExrDecoder, OpenExrEncoder};
-use image::codecs::png::PngEncoder;
+use image::codecs::png::{PngDecoder, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageError};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -15,11 +16,22 @@ pub enum Format {
     Exr,
 }
 
-/// Why a picture could not be written.
+/// A picture that was read.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// What it was.
+    pub format: Format,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Linear RGBA, row by row from the top.
+    pub pixels: Vec<[f32; 4]>,
+}
+
+/// Why a picture could not be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
     /// A name that says nothing of the format.
-    #[error("{}: pictures are written as .png or .exr", .0.display())]
+    #[error("{}: pictures are .png or .exr", .0.display())]
     Extension(PathBuf),
     /// Nowhere to write.
     #[error("{}: there is no directory {}", .file.display(), .directory.display())]
@@ -122,6 +134,29 @@ pub fn read_exr(file: &Path) -> Result<([u32; 2], Vec<[f32; 4]>), PictureError> 
     let picture = DynamicImage::from_decoder(decoder).map_err(failed)?.into_rgba32f();
     let size = [picture.width(), picture.height()];
     Ok((size, picture.pixels().map(|p| p.0).collect()))
+}
+
+/// Reads a picture as linear RGBA f32 pixels, row by row from the top, and says what it was: EXR as it is, PNG decoded from
+/// sRGB (8 or 16 bit; alpha is linear).
+///
+/// # Errors
+/// An extension other than `.png` and `.exr`; a file that is not what its name says, or cannot be read.
+pub fn read(file: &Path) -> Result<Picture, PictureError> {
+    let extension = file.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    match extension.as_deref() {
+        Some("exr") => read_exr(file).map(|(size, pixels)| Picture { format: Format::Exr, size, pixels }),
+        Some("png") => {
+            let failed = |reason: ImageError| PictureError::Read { file: file.to_owned(), reason };
+            let reader = std::fs::File::open(file).map_err(|e| failed(ImageError::IoError(e)))?;
+            let decoder = PngDecoder::new(io::BufReader::new(reader)).map_err(failed)?;
+            let picture = DynamicImage::from_decoder(decoder).map_err(failed)?.into_rgba32f();
+            let size = [picture.width(), picture.height()];
+            let light = |c: f32| tone::decode(f64::from(c)) as f32;
+            let pixels = picture.pixels().map(|p| [light(p.0[0]), light(p.0[1]), light(p.0[2]), p.0[3]]).collect();
+            Ok(Picture { format: Format::Png, size, pixels })
+        }
+        _ => Err(PictureError::Extension(file.to_owned())),
+    }
 }
 
 /// Writes a text beside a picture, whole or not at all.

@@ -1,6 +1,7 @@
 //! Views of numbers as pictures for people. The EXR of the same view holds the numbers themselves.
 
 use super::stats::quantile;
+use super::tone;
 use crate::settings::View;
 
 /// From a view's numbers to colours of 0..1.
@@ -37,7 +38,7 @@ pub fn encode(view: View, pixels: &[[f32; 4]]) -> (Vec<u8>, String) {
         View::Ao => (Box::new(|c| [c[0]; 3]), "visibility as it is".to_owned()),
         View::Material | View::Lit => (Box::new(|c| c), "numbers as they are".to_owned()),
         View::Final | View::Albedo | View::Irradiance | View::Scatter => {
-            (Box::new(|c| c.map(srgb)), "sRGB, no tone curve".to_owned())
+            (Box::new(|c| c.map(|x| tone::encode(f64::from(x)) as f32)), "sRGB, no tone curve".to_owned())
         }
     };
     let byte = |x: f32| (x.clamp(0., 1.) * 255. + 0.5) as u8;
@@ -49,11 +50,6 @@ pub fn encode(view: View, pixels: &[[f32; 4]]) -> (Vec<u8>, String) {
         _ => [0; 4],
     };
     (pixels.iter().flat_map(texel).collect(), meaning)
-}
-
-/// IEC 61966-2-1.
-fn srgb(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1. / 2.4) - 0.055 }
 }
 
 #[cfg(test)]

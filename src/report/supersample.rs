@@ -1,10 +1,12 @@
 //! Anti-aliasing for pictures people look at: several samples a pixel, averaged in linear light. A frame that is timed or
 //! measured has one.
 
+use super::tone;
+
 /// Averages blocks of `n` x `n` pixels of an sRGB-encoded RGBA picture of `size` x n pixels; returns `size` pixels with
 /// straight alpha, so that a silhouette blends with whatever the picture is laid over.
 pub fn average(pixels: &[u8], size: [u32; 2], n: u32) -> Vec<u8> {
-    let linear: Vec<f32> = (0..256).map(|i| decode(i as f32 / 255.)).collect();
+    let linear: Vec<f32> = (0..256).map(|i| tone::decode(f64::from(i) / 255.) as f32).collect();
     let [width, height] = size.map(|x| x as usize);
     let n = n as usize;
     let mut out = Vec::with_capacity(width * height * 4);
@@ -23,7 +25,7 @@ pub fn average(pixels: &[u8], size: [u32; 2], n: u32) -> Vec<u8> {
                 alpha += a;
             }
             let scale = if alpha > 0. { 1. / alpha } else { 0. };
-            out.extend(sum.map(|s| byte(encode(s * scale))));
+            out.extend(sum.map(|s| byte(tone::encode(f64::from(s * scale)) as f32)));
             out.push(byte(alpha / (n * n) as f32));
         }
     }
@@ -32,14 +34,6 @@ pub fn average(pixels: &[u8], size: [u32; 2], n: u32) -> Vec<u8> {
 
 fn byte(x: f32) -> u8 {
     (x * 255. + 0.5) as u8
-}
-
-fn decode(c: f32) -> f32 {
-    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
-}
-
-fn encode(c: f32) -> f32 {
-    if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * c.powf(1. / 2.4) - 0.055 }
 }
 
 #[cfg(test)]

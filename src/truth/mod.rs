@@ -8,9 +8,11 @@
 //!
 //! Units: mm; irradiance as the lights have it. What is not modelled: alpha (cut-outs are whole), mip levels of normal maps.
 
+pub mod bands;
 pub mod bump;
 pub mod cloud;
 pub mod eye;
+pub mod flip;
 pub mod kernel;
 pub mod lighting;
 pub mod metrics;
@@ -23,8 +25,9 @@ pub use eye::Window;
 use crate::frame::Inputs;
 use crate::frame::setup::ViewFacts;
 use crate::scene::{Alpha, Projection};
+use bands::BORDER;
 use cloud::{Cloud, Sum};
-use eye::{BORDER, Eye, Seen};
+use eye::{Eye, Seen};
 use glam::DVec3;
 use kernel::Kernel;
 use near::Near;
@@ -90,7 +93,7 @@ pub struct Truth {
     pub pixels: Vec<[f32; 4]>,
     /// The same from each half of the samples alone.
     pub halves: [Vec<[f64; 3]>; 2],
-    /// Bits of [`eye::band`].
+    /// Bits of [`bands::band`].
     pub bands: Vec<u8>,
     /// Its own error.
     pub error: Estimate,
@@ -144,7 +147,9 @@ pub fn solve(
     let facts = ViewFacts::new(&inputs.camera, size, scene.bounds.min, scene.bounds.max);
     let parallel = matches!(inputs.camera.projection, Projection::Orthographic { .. });
     let footprint = |depth: f64| if parallel { 1. } else { depth } / facts.pixels_per_mm;
-    let bands = eye::bands(&surface, &inputs.lights, shadows, &seen, &window, footprint);
+    let length = inputs.profile.as_ref().map_or(0., |p| p.mean_radius_mm().into_iter().fold(0., f64::max));
+    let length = if length > 0. { length } else { 1. };
+    let bands = bands::bands(&surface, &inputs.lights, shadows, &seen, &window, footprint, length);
 
     // The far part's samples, and the near part that is steep beside their spacing.
     let own: Vec<Option<&Seen>> = (0..window.pixels())
