@@ -12,6 +12,7 @@
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
 #include "common/specular.glsl"
+#include "common/light_code.glsl"
 
 layout(constant_id = 0) const bool FINAL = true;         // the lit picture: with specular and ambient light
 layout(constant_id = 1) const bool SHADOWS = true;       // some light casts a shadow
@@ -51,6 +52,6 @@ void main() {
         diffuse += PI * sky;
         specular += specular_albedo(clamp(dot(n, v), 0., 1.), m.r, f0) * sky;
     }
-    imageStore(irradiance, pixel, vec4(PRE && z < 0. ? diffuse * base.rgb : diffuse, 1.));
-    if (FINAL) imageStore(reflected, pixel, vec4(specular, 1.));
+    imageStore(irradiance, pixel, light_encode(PRE && z < 0. ? diffuse * base.rgb : diffuse));
+    if (FINAL) imageStore(reflected, pixel, light_encode(specular));
 }

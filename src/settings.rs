@@ -15,6 +15,8 @@ pub enum Method {
     Moments,
     /// Irradiance blurred in screen space, a separable pair of passes a Gaussian (Jimenez & Gutierrez 2010).
     Gaussians,
+    /// Irradiance blurred in screen space by one separable pair of passes (Jimenez et al. 2015).
+    Separable,
 }
 
 /// Where the surface's colour acts, for methods that scatter light itself (d'Eon & Luebke 2007).
@@ -26,6 +28,28 @@ pub enum Texturing {
     Post,
     /// Its square root where light enters, and again where it leaves: texture softens as light does.
     PrePost,
+}
+
+/// Where the kernel of `separable` comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SeparableKernel {
+    /// The profile's own integral along a line: exact for light that changes in one direction of the two.
+    #[default]
+    Profile,
+    /// The constants of the authors' own code, made for skin; scaled with the profile's widest Gaussian.
+    Authors,
+}
+
+/// Whether light that enters on the far side of a thin part leaves on the near one, for `separable`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Transmittance {
+    /// By the thickness that the shadow map measures, as the authors' code does (Jimenez et al. 2010).
+    #[default]
+    On,
+    /// Not.
+    Off,
 }
 
 /// How much work a method does; passes and resolution follow from it unless they are given.
@@ -178,6 +202,12 @@ pub struct Settings {
     /// Where the surface's colour acts, for methods that scatter light itself.
     #[arg(long, value_enum, default_value_t)]
     pub texturing: Texturing,
+    /// Kernel of `separable`.
+    #[arg(long, value_enum, default_value_t)]
+    pub separable_kernel: SeparableKernel,
+    /// Light through thin parts, for `separable`.
+    #[arg(long, value_enum, default_value_t)]
+    pub transmittance: Transmittance,
     /// What the picture shows.
     #[arg(long, value_enum, default_value_t)]
     pub view: View,
@@ -233,6 +263,8 @@ impl Default for Settings {
             kernels: Kernels::default(),
             integral: Integral::default(),
             texturing: Texturing::default(),
+            separable_kernel: SeparableKernel::default(),
+            transmittance: Transmittance::default(),
             view: View::default(),
             tone_map: ToneMap::default(),
             exposure: 0.,

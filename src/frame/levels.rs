@@ -68,7 +68,7 @@ impl Levels {
         let mut out = Levels { length_mm, ..Levels::default() };
         match settings.method {
             // Nothing scatters, or light itself is blurred (`methods::kernel`).
-            Method::Lambert | Method::Gaussians => out.sharp = [1.; 3],
+            Method::Lambert | Method::Gaussians | Method::Separable => out.sharp = [1.; 3],
             Method::Moments => out.per_gaussian(fit, most_levels(settings), pixels),
             Method::Pdss => out.per_channel(profile, widest, most_levels(settings), pixels),
         }
@@ -192,7 +192,7 @@ fn most_levels(settings: &Settings) -> u32 {
 
 /// At most `count` Gaussians: the neighbours whose union moves least energy least far are merged, their weights added and
 /// their variances averaged by weight.
-fn merge(mut gaussians: Vec<Gaussian>, count: u32) -> Vec<Gaussian> {
+pub(crate) fn merge(mut gaussians: Vec<Gaussian>, count: u32) -> Vec<Gaussian> {
     gaussians.retain(|g| g.weight.iter().any(|w| *w > 0.));
     gaussians.sort_by(|a, b| a.variance.total_cmp(&b.variance));
     let energy = |g: &Gaussian| g.weight.iter().sum::<f64>();

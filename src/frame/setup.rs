@@ -99,7 +99,7 @@ impl Setup {
             _ => false,
         };
         let kernel = match &inputs.profile {
-            Some(profile) if diffuses => methods::kernel(settings.method, profile, least_sigma_mm),
+            Some(profile) if diffuses => methods::kernel(settings, profile, least_sigma_mm),
             _ => Vec::new(),
         };
         // What is left out changes no bit of the picture; without leaving out, it runs for nothing.

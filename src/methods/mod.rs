@@ -4,11 +4,12 @@ mod gaussians;
 mod lambert;
 mod moments;
 mod pdss;
+pub mod separable;
 
 use crate::frame::resources::EXTERNAL;
 use crate::frame::setup::Setup;
 use crate::plan::{Plan, PlanError};
-use crate::settings::Method;
+use crate::settings::{Method, Settings};
 use crate::skin::profile::Profile;
 use crate::stages;
 
@@ -29,6 +30,7 @@ pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
         Method::Pdss => pdss::frame(&mut plan, s),
         Method::Moments => moments::frame(&mut plan, s),
         Method::Gaussians => gaussians::frame(&mut plan, s),
+        Method::Separable => separable::frame(&mut plan, s),
     }
     if !s.lit_view() {
         stages::view::add(&mut plan, s);
@@ -40,9 +42,10 @@ pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
 
 /// What a method's own shaders read of the profile: a few rows of four, empty where the method needs none. What projects
 /// to fewer pixels than a Gaussian of `least_sigma_mm` does is not told from a point.
-pub fn kernel(method: Method, profile: &Profile, least_sigma_mm: f64) -> Vec<[f64; 4]> {
-    match method {
+pub fn kernel(settings: &Settings, profile: &Profile, least_sigma_mm: f64) -> Vec<[f64; 4]> {
+    match settings.method {
         Method::Lambert | Method::Pdss | Method::Moments => Vec::new(),
-        Method::Gaussians => gaussians::kernel(profile, least_sigma_mm),
+        Method::Gaussians => gaussians::kernel(settings.quality, profile, least_sigma_mm),
+        Method::Separable => separable::kernel(settings, profile),
     }
 }

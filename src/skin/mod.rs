@@ -8,6 +8,7 @@
 //! | [`ring`] | the same on a ring, to reproduce Penner & Borshukov 2011 |
 //! | [`lut`] | either of them as a small table over (mu, curvature) that a GPU samples bilinearly |
 //! | [`moments`] | E max(0, X) of a normal variable: the closed form that needs no table |
+//! | [`separable`] | the kernel of one separable pair of passes, and what passes through a thin part |
 //! | [`occlusion`] | how much of the sky a concave patch of known curvature hides |
 //!
 //! Units: millimetres; variances in mm^2; curvatures in 1/mm, convex positive. `mu` is the cosine between the surface
@@ -21,4 +22,5 @@ pub mod occlusion;
 pub mod profile;
 mod quadrature;
 pub mod ring;
+pub mod separable;
 pub mod sphere;

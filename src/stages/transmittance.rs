@@ -1,0 +1,28 @@
+//! transmittance: viewz, normal, albedo, shadow, irradiance -> irradiance. Light through thin parts.
+
+use super::tiles;
+use crate::frame::setup::Setup;
+use crate::methods::separable::tap_rows;
+use crate::plan::{Domain, Plan};
+use crate::settings::{Transmittance, View};
+use crate::shaders;
+
+/// Adds the pass, where the picture shows scattered light and a shadow map says how thick things are.
+pub fn add(plan: &mut Plan, s: &Setup) {
+    if !s.lit_view() || s.settings.view == View::Irradiance {
+        return;
+    }
+    if s.settings.transmittance == Transmittance::Off || s.shadows.matrices.is_empty() {
+        let why = if s.shadows.matrices.is_empty() { s.shadows.why_none } else { "transmittance is off" };
+        plan.leave_out("transmittance", why, 0);
+        return;
+    }
+    let first = tap_rows(s.settings.quality).min(s.kernel.len() as u32);
+    let pass = plan
+        .compute("transmittance", &shaders::TRANSMITTANCE, Domain::Tiles(tiles::scatter(1)))
+        .constant("FIRST", first)
+        .constant("GAUSSIANS", s.kernel.len() as u32 - first)
+        .constant("PRE", u32::from(s.pre_textured()))
+        .bind("normal", s.shading_normal());
+    s.specialise_lights(pass);
+}
