@@ -1,5 +1,6 @@
 //! `pdss compare` from outside: a run, the same run again, a run in parts, and what it refuses.
 
+use pdss::compare::check::{Sheet, check};
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
@@ -111,11 +112,13 @@ fn a_run_is_whole_goes_on_where_it_stopped_and_adds_up_from_its_parts() -> Outco
         assert_eq!((row["wall_n"].as_str(), row["schema"].as_str(), row["validation"].as_str()), ("2", "1", "on"));
     }
     let rmse = |i: usize| rows[i]["rmse"].parse::<f64>();
-    assert!(rmse(1)? < rmse(0)?, "moments is nearer to truth than lambert on a sphere");
+    assert!(rmse(5)? < rmse(3)?, "a blur of light is nearer to truth than none on a small torus");
     assert_eq!(rows[0]["scatter_ms"], "0", "lambert spends nothing on scattering");
     assert_eq!(rows[3]["lights"], "8");
     let json: serde_json::Value = serde_json::from_slice(&std::fs::read(at("whole").join("results.json"))?)?;
     assert_eq!(json["cells"][0]["time"]["wall_samples_ms"].as_array().map(Vec::len), Some(2), "every sample is kept");
+
+    report_is_the_tables(&at("whole"))?;
 
     // Nothing is measured twice: times would not repeat to the last digit.
     let csv = std::fs::read(at("whole").join("results.csv"))?;
@@ -172,6 +175,58 @@ fn a_run_is_whole_goes_on_where_it_stopped_and_adds_up_from_its_parts() -> Outco
         assert!(!at("never").exists(), "{name}: a refusal leaves nothing behind");
     }
     assert!(fault(&merge(&[&at("0"), &at("1")], &at("twin"))?, "").is_some(), "the twin: what may be merged is");
+    Ok(())
+}
+
+/// Plots are there in both forms, and the page says nothing that the table does not.
+fn report_is_the_tables(directory: &Path) -> Outcome {
+    for name in ["plot", "plot-sphere", "plot-many-lights"] {
+        let svg = std::fs::read_to_string(directory.join(format!("{name}.svg")))?;
+        assert!(svg.starts_with("<svg") && svg.matches("<circle").count() >= 3, "{name}");
+        let png = image::open(directory.join(format!("{name}.png")))?.into_rgb8();
+        assert!(png.width() > 900 && png.pixels().any(|p| p.0 == [222, 94, 0]), "{name}: moments has its colour");
+    }
+    let page = std::fs::read_to_string(directory.join("report.html"))?;
+    let sheet = Sheet::read(&std::fs::read_to_string(directory.join("results.csv"))?);
+    let figures = check(&page, &sheet).map_err(|wrong| wrong.join("\n"))?;
+    println!("{figures} figures on {} bytes, all in the table", page.len());
+    assert!(figures > 100 && page.matches("data:image/jpeg").count() > 10);
+    let (at, _) = page.match_indices("</data>").nth(40).ok_or("a page has figures")?;
+    let digit = if page[..at].ends_with('7') { "3" } else { "7" };
+    let changed = format!("{}{digit}{}", &page[..at - 1], &page[at..]);
+    assert!(check(&changed, &sheet).is_err(), "the twin: a changed figure is caught");
+    Ok(())
+}
+
+#[test]
+fn a_calibrated_device_chooses_and_says_why() -> Outcome {
+    if no_device() {
+        return Ok(());
+    }
+    let temporary = tempfile::tempdir()?;
+    let cache = temporary.path().join("cache");
+    let picture = temporary.path().join("a.png").display().to_string();
+    let run =
+        |args: &[&str]| Command::new(env!("CARGO_BIN_EXE_pdss")).args(args).env("XDG_CACHE_HOME", &cache).output();
+    let render =
+        |more: &[&str]| run(&[&["render", "shape:torus:10,4", "-o", &picture, "--size", "40x28"], more].concat());
+    assert_eq!(fault(&render(&["--budget-ms", "100"])?, "run pdss calibrate"), None);
+    let out = run(&[&["calibrate", "torus"], &QUICK[..]].concat())?;
+    assert!(out.status.success(), "{}", stderr(&out));
+    assert!(String::from_utf8_lossy(&out.stdout).contains("gaussians"));
+    let rich = render(&["--budget-ms", "100000"])?;
+    assert!(rich.status.success() && stderr(&rich).contains("gaussians low: error "), "{}", stderr(&rich));
+    let fast = render(&["--max-error", "1"])?;
+    assert!(fast.status.success() && stderr(&fast).contains(" ms expected, "), "{}", stderr(&fast));
+    let cases: [(&[&str], &str); 4] = [
+        (&["--budget-ms", "0.000001"], "the fastest that is right enough"),
+        (&["--max-error", "0.000001"], "the rightest is"),
+        (&["--budget-ms", "0"], "above 0"),
+        (&["--budget-ms", "9", "--method", "pdss"], "--method"),
+    ];
+    for (args, words) in cases {
+        assert_eq!(fault(&render(args)?, words), None, "{args:?}");
+    }
     Ok(())
 }
 

@@ -7,6 +7,7 @@ use super::progress::Progress;
 use clap::{Args, ValueEnum};
 use pdss::compare::scenes::{self, Lit, Spec};
 use pdss::compare::store::{Folder, Results};
+use pdss::compare::sweep::Sweep;
 use pdss::compare::{self, CompareError, Options, table, timing};
 use pdss::scene::Light;
 use pdss::settings::{Method, Quality, Size, parse_size};
@@ -26,11 +27,14 @@ pub struct Compare {
     output: PathBuf,
     #[command(flatten)]
     question: Question,
+    /// Change one thing about each scene and hold all else. Default: the bust, at medium quality.
+    #[arg(long, value_enum, value_name = "AXIS")]
+    sweep: Option<Sweep>,
     /// Only every N-th scene from the I-th, from 0: a part that --merge puts together with the others.
     #[arg(long, value_name = "I/N", value_parser = parse_shard)]
     shard: Option<(usize, usize)>,
     /// Put the results of these directories together instead of measuring. One device, one setting.
-    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["scenes", "shard"])]
+    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["scenes", "shard", "sweep"])]
     merge: Vec<PathBuf>,
 }
 
@@ -43,24 +47,24 @@ pub struct Question {
     /// Qualities. Default: all.
     #[arg(long, value_enum, value_delimiter = ',', value_name = "QUALITY,...")]
     qualities: Vec<Quality>,
-    /// Size of the picture that is timed.
-    #[arg(long, default_value = "1650x1080", value_parser = parse_size, value_name = "WxH")]
-    size: Size,
-    /// Size of the picture whose error is measured. Default: the same.
+    /// Size of the picture that is timed. Default: 1650x1080; of calibrate 660x432, and half of it.
+    #[arg(long, value_parser = parse_size, value_name = "WxH")]
+    size: Option<Size>,
+    /// Size of the picture whose error is measured. Default: the same; of calibrate half of it.
     #[arg(long, value_parser = parse_size, value_name = "WxH")]
     truth_size: Option<Size>,
-    /// Turns of each method and quality.
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    rounds: u32,
-    /// Frames measured a turn.
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    frames: u32,
+    /// Turns of each method and quality. Default: 5; of calibrate 3.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    rounds: Option<u32>,
+    /// Frames measured a turn. Default: 3.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    frames: Option<u32>,
     /// Frames before the first sample. Default: 3 on a processor, elsewhere until the median has settled.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=100_000))]
     warmup: Option<u32>,
-    /// Surface samples of truth.
-    #[arg(long, value_name = "N", default_value_t = Effort::default().samples, value_parser = super::truth::parse_count)]
-    samples: usize,
+    /// Surface samples of truth. Default: 2000000; of calibrate 200000.
+    #[arg(long, value_name = "N", value_parser = super::truth::parse_count)]
+    samples: Option<usize>,
     /// Error of a pixel above which truth casts more rays.
     #[arg(long, value_name = "E", default_value_t = Effort::default().max_error, value_parser = super::truth::parse_error)]
     truth_error: f64,
@@ -80,7 +84,7 @@ pub struct Question {
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
     #[command(flatten)]
-    device: Device,
+    pub device: Device,
 }
 
 impl Compare {
@@ -89,7 +93,7 @@ impl Compare {
         if !self.merge.is_empty() {
             return self.merged();
         }
-        let options = self.question.options(self.specs()?, &self.output, self.shard)?;
+        let options = self.options()?;
         let folder = Folder::open(&self.output)?;
         let gpu = self.question.device.open()?;
         let progress = Progress::new();
@@ -99,6 +103,19 @@ impl Compare {
         folder.finish(&results)?;
         print(&table::of(&results))?;
         args::close(gpu)
+    }
+
+    fn options(&self) -> Result<Options, Failure> {
+        let Some(sweep) = self.sweep else {
+            return self.question.options(specs(&self.scenes, &self.question)?, &DEFAULTS, &self.output, self.shard);
+        };
+        let names = if self.scenes.is_empty() { &["bust".to_owned()][..] } else { &self.scenes };
+        let swept = specs(names, &self.question)?.iter().flat_map(|s| sweep.specs(s)).collect();
+        let mut options = self.question.options(swept, &DEFAULTS, &self.output, self.shard)?;
+        if self.question.qualities.is_empty() {
+            options.qualities = vec![Quality::Medium];
+        }
+        Ok(options)
     }
 
     fn merged(&self) -> Result<(), Failure> {
@@ -112,40 +129,52 @@ impl Compare {
         folder.finish(&results)?;
         print(&table::of(&results))
     }
-
-    fn specs(&self) -> Result<Vec<Spec>, Failure> {
-        let standard = scenes::standard(DEFAULT_SCENE);
-        let mut specs: Vec<Spec> = Vec::new();
-        let asked: &[String] = if self.scenes.is_empty() { &["standard".to_owned()] } else { &self.scenes };
-        for name in asked {
-            match standard.iter().find(|s| s.name == *name) {
-                Some(spec) => specs.push(spec.clone()),
-                None if name == "standard" => specs.extend(standard.iter().cloned()),
-                None => specs.push(Spec::given(name)),
-            }
-        }
-        for spec in &mut specs {
-            if !self.question.lights.is_empty() {
-                spec.lit = Lit::These(self.question.lights.iter().map(Aim::light).collect::<Vec<Light>>());
-            }
-        }
-        for (i, spec) in specs.iter().enumerate() {
-            if specs[..i].iter().any(|s| s.name == spec.name) {
-                return Err(Failure::Input(format!(
-                    "two scenes are called {}: results are told apart by name",
-                    spec.name
-                )));
-            }
-        }
-        Ok(specs)
-    }
 }
+
+/// The scenes that names stand for; none: the standard set.
+pub fn specs(names: &[String], question: &Question) -> Result<Vec<Spec>, Failure> {
+    let standard = scenes::standard(DEFAULT_SCENE);
+    let mut specs: Vec<Spec> = Vec::new();
+    let asked: &[String] = if names.is_empty() { &["standard".to_owned()] } else { names };
+    for name in asked {
+        match standard.iter().find(|s| s.name == *name) {
+            Some(spec) => specs.push(spec.clone()),
+            None if name == "standard" => specs.extend(standard.iter().cloned()),
+            None => specs.push(Spec::given(name)),
+        }
+    }
+    for spec in specs.iter_mut().filter(|_| !question.lights.is_empty()) {
+        spec.lit = Lit::These(question.lights.iter().map(Aim::light).collect::<Vec<Light>>());
+    }
+    for (i, spec) in specs.iter().enumerate() {
+        if specs[..i].iter().any(|s| s.name == spec.name) {
+            let text = format!("two scenes are called {}: results are told apart by name", spec.name);
+            return Err(Failure::Input(text));
+        }
+    }
+    Ok(specs)
+}
+
+/// What a command takes where nothing is said.
+pub struct Defaults {
+    /// Of the picture that is timed.
+    pub size: Size,
+    /// Turns.
+    pub rounds: u32,
+    /// Surface samples of truth.
+    pub samples: usize,
+}
+
+const DEFAULTS: Defaults = Defaults { size: Size { width: 1650, height: 1080 }, rounds: 5, samples: 2_000_000 };
+/// Frames a turn.
+const FRAMES: u32 = 3;
 
 impl Question {
     /// The library's options.
     pub fn options(
         &self,
         specs: Vec<Spec>,
+        defaults: &Defaults,
         directory: &std::path::Path,
         shard: Option<(usize, usize)>,
     ) -> Result<Options, Failure> {
@@ -160,12 +189,16 @@ impl Question {
             } else {
                 self.qualities.clone()
             },
-            size: self.size,
+            size: self.size.unwrap_or(defaults.size),
             error_size: self.truth_size,
-            effort: Effort { samples: self.samples, max_error: self.truth_error, ..Effort::default() },
+            effort: Effort {
+                samples: self.samples.unwrap_or(defaults.samples),
+                max_error: self.truth_error,
+                ..Effort::default()
+            },
             plan: timing::Plan {
-                rounds: self.rounds as usize,
-                frames: self.frames as usize,
+                rounds: self.rounds.unwrap_or(defaults.rounds) as usize,
+                frames: self.frames.unwrap_or(FRAMES) as usize,
                 warmup: self.warmup.map(|n| n as usize),
             },
             profile: Profile::resolve(&self.profile)?,

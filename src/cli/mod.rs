@@ -1,6 +1,7 @@
 //! The command line: thin, one file per subcommand. Machine output goes to stdout alone, words for people to stderr.
 
 mod args;
+mod calibrate;
 mod compare;
 mod devices;
 mod diff;
@@ -38,6 +39,8 @@ enum Command {
     Truth(truth::Truth),
     /// Hold all methods against truth and against the clock: error against run time.
     Compare(compare::Compare),
+    /// Measure this device, so that render can choose a method for --budget-ms or --max-error.
+    Calibrate(calibrate::Calibrate),
     /// Say how wrong one picture is against another.
     Diff(diff::Diff),
     /// List the Vulkan devices.
@@ -52,6 +55,7 @@ pub fn main() -> ExitCode {
         Command::Explain(c) => c.run(),
         Command::Truth(c) => c.run(),
         Command::Compare(c) => c.run(),
+        Command::Calibrate(c) => c.run(),
         Command::Diff(c) => c.run(),
         Command::Devices(c) => c.run(),
     };

@@ -66,6 +66,8 @@ pub struct Errors {
     pub max: f64,
     /// Mean, signed: positive is too bright.
     pub bias: f64,
+    /// Mean FLIP of the tone-mapped pictures, 0..1.
+    pub flip: f64,
     /// Name, pixels and rms of each band.
     pub bands: Vec<(String, usize, f64)>,
     /// Pixels left out: covered by one only, or not finite.
@@ -89,6 +91,7 @@ impl Errors {
             p99: m.p99,
             max: m.max,
             bias: m.bias,
+            flip: m.flip,
             bands: c.bands.iter().map(|(name, m)| ((*name).to_owned(), m.pixels, m.rmse)).collect(),
             left_out: c.uncommon + c.not_finite,
             truth_rms: truth.rms,
@@ -160,9 +163,10 @@ impl Cell {
         }
     }
 
-    /// Nothing is left to do.
-    pub fn is_done(&self) -> bool {
-        self.refused.is_some() || (self.error.is_some() && self.time.is_some())
+    /// The same method and quality on the same scene.
+    pub fn is_asked_as(&self, other: &Cell) -> bool {
+        let asked = |c: &Cell| (c.sweep_value.map(f64::to_bits), c.order[1], c.order[2]);
+        (&self.scene, &self.sweep, asked(self)) == (&other.scene, &other.sweep, asked(other))
     }
 
     /// Frame time in ms and rms error, where both are known.

@@ -89,6 +89,7 @@ pub(super) mod tests {
                 p99: 3. * rmse,
                 max: 9. * rmse,
                 bias: -0.1 * rmse,
+                flip: 2. * rmse,
                 bands: vec![("silhouette".to_owned(), 9, 2. * rmse), ("terminator".to_owned(), 0, 0.)],
                 left_out: 0,
                 truth_rms: 1e-4,
@@ -124,6 +125,37 @@ pub(super) mod tests {
             memory: Some([1 << 20, 1 << 21]),
             passes: Some(5),
         }
+    }
+
+    /// Two scenes, one cell refused.
+    pub(in crate::compare) fn results() -> crate::compare::store::Results {
+        let mut cells = vec![
+            cell("a", (0, "lambert"), (0, "low"), 20., 0.02),
+            cell("a", (1, "moments"), (0, "low"), 30., 0.01),
+            cell("a", (1, "moments"), (1, "medium"), 50., 0.008),
+            cell("a", (2, "burley"), (0, "low"), 50., 0.015),
+            cell("a", (3, "texture-space"), (0, "low"), 50., 0.015),
+            cell("b", (0, "lambert"), (0, "low"), 20., 0.02),
+        ];
+        cells[4] = Cell { refused: Some("no coordinates".to_owned()), error: None, time: None, ..cells[4].clone() };
+        cells[5].order[0] = 1;
+        let context = crate::compare::store::Context {
+            device: "card 4090".to_owned(),
+            driver: "driver 1, <new>".to_owned(),
+            device_kind: "discrete".to_owned(),
+            host: "a processor, 2 threads".to_owned(),
+            code: "build 0".to_owned(),
+            version: "1".to_owned(),
+            profile: "skin".to_owned(),
+            material: None,
+            size: [64, 48],
+            error_size: [64, 48],
+            effort: (1000, 0.001, 0.1),
+            plan: crate::compare::timing::Plan { rounds: 2, frames: 3, warmup: None },
+            validation: false,
+            clock: "wall".to_owned(),
+        };
+        crate::compare::store::Results::new(context, cells)
     }
 
     #[test]

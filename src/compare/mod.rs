@@ -3,14 +3,21 @@
 //! A run is a list of [`cell::Cell`]s. Each is kept as soon as it is known, under a key of everything that decides it, so that
 //! an interrupted run goes on where it stopped and a changed one starts anew. Nothing else is computed while a cell is timed.
 
+pub mod calibration;
 pub mod cell;
+pub mod check;
 pub mod columns;
 pub mod front;
+pub mod html;
+pub mod html_pictures;
 pub mod key;
+pub mod pick;
 pub mod pictures;
+pub mod plot;
 pub mod reference;
 pub mod scenes;
 pub mod store;
+pub mod sweep;
 pub mod table;
 pub mod timing;
 

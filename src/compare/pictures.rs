@@ -6,7 +6,7 @@ use super::reference::Reference;
 use super::store::Folder;
 use crate::report::{picture, preview};
 use crate::settings::View;
-use crate::truth::eye::band;
+use crate::truth::bands::band;
 use crate::truth::metrics;
 use image::imageops::{self, FilterType};
 use image::{Rgba, RgbaImage};

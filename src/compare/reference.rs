@@ -53,7 +53,7 @@ pub fn find(
     std::fs::create_dir_all(cache).map_err(|e| CompareError::file(cache, e))?;
     let card = Card { schema: SCHEMA, rms: answer.error.rms, samples: answer.samples, seconds: answer.seconds };
     picture::write_exr(&path("exr"), size, &answer.pixels)?;
-    picture::write_exr(&path("bands.exr"), size, &metrics::bands_picture(&answer.bands, &answer.pixels))?;
+    picture::write_exr(&path("bands.exr"), size, &metrics::bands_picture(&answer.bands))?;
     picture::write_text(&path("json"), &super::store::json(&card)?)?;
     Ok(Reference { size, pixels: answer.pixels, bands: answer.bands, rms: answer.error.rms, key })
 }

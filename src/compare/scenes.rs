@@ -1,7 +1,7 @@
 //! The standard set, as data: what methods are compared on unless told otherwise.
 
 use crate::frame::{Inputs, Output};
-use crate::scene::{Camera, Light, LoadOptions, Scene, SceneError};
+use crate::scene::{Camera, Light, LoadOptions, Scene, SceneError, framing_distance};
 use crate::settings::{Settings, Size};
 use crate::skin::profile::Profile;
 use glam::{DMat3, DVec3};
@@ -94,7 +94,7 @@ pub fn standard(bust: &str) -> Vec<Spec> {
     let torus = "shape:torus:10,4";
     let (around, key) = (Stand::Around(30., 35., 1.), Lit::KeyAndFill);
     vec![
-        spec("sphere", "one curvature, no cast shadow", "shape:sphere:20", Form::Plain, around, key.clone()),
+        spec("sphere", "one curvature, no cast shadow", "shape:sphere:8", Form::Plain, around, key.clone()),
         spec("torus", "stiff: as small as light travels; hidden parts", torus, Form::Plain, around, key.clone()),
         spec("bust", "a whole object with cast shadows", bust, Form::Plain, Stand::Own, key.clone()),
         spec("bumpy-torus", "relief finer than light travels", "shape:torus:20,8", bumps, around, key.clone()),
@@ -161,7 +161,8 @@ impl Subject {
             (Stand::Own, Some(camera)) => camera.clone(),
             (Stand::Own, None) => Camera::default_for(&scene, FOV, aspect),
             (Stand::Around(yaw, pitch, times), _) => {
-                let distance = f64::from(scene.bounds.size().length()) / 2. / (FOV / 2.).to_radians().sin() * times;
+                let half = scene.bounds.size().as_dvec3() / 2.;
+                let distance = framing_distance(half, yaw, pitch, FOV, aspect) * times;
                 Camera::orbit(yaw, pitch, distance, None, FOV, &scene)
             }
         };

@@ -2,9 +2,10 @@
 
 use super::cell::Cell;
 use super::key::{self, Digest};
+use super::plot::{Drawing, raster, svg};
 use super::scenes::Subject;
 use super::timing::Plan;
-use super::{CompareError, Options, columns, front};
+use super::{CompareError, Options, columns, front, html};
 use crate::gpu::DeviceInfo;
 use crate::gpu::timing::TimingMode;
 use crate::report::picture;
@@ -15,6 +16,8 @@ use std::path::{Path, PathBuf};
 pub const SCHEMA: u32 = 1;
 /// Frames before the first sample on a processor, whose clocks others decide: code is compiled in the first, and turns do the rest.
 const CPU_WARMUP: usize = 3;
+/// Pixels per unit of a plot as PNG.
+const PLOT_SCALE: f32 = 2.;
 /// File of all results of a run.
 pub const RESULTS: &str = "results.json";
 
@@ -106,7 +109,7 @@ impl Context {
 }
 
 /// The processor's name and threads.
-fn host() -> String {
+pub fn host() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = info.lines().find_map(|l| l.strip_prefix("model name")?.split_once(':').map(|(_, name)| name.trim()));
     let threads = std::thread::available_parallelism().map_or(0, usize::from);
@@ -152,10 +155,7 @@ impl Results {
                 return Err(CompareError::file(&directory, what));
             }
             for cell in part.cells {
-                let twice = cells.iter().any(|c| {
-                    (&c.scene, &c.method, &c.quality, c.sweep_value.map(f64::to_bits))
-                        == (&cell.scene, &cell.method, &cell.quality, cell.sweep_value.map(f64::to_bits))
-                });
+                let twice = cells.iter().any(|c| c.is_asked_as(&cell));
                 if twice {
                     let what = format!(
                         "{} {} {} is also in another directory; parts share no cell",
@@ -233,11 +233,6 @@ impl Folder {
         Ok(Folder { root: root.to_owned() })
     }
 
-    /// A file in it.
-    pub fn file(&self, name: &str) -> PathBuf {
-        self.root.join(name)
-    }
-
     /// A picture in it.
     pub fn picture(&self, name: &str) -> PathBuf {
         self.root.join("pictures").join(name)
@@ -271,13 +266,22 @@ impl Folder {
         self.root.join("cells").join(format!("{}.json", cell.key))
     }
 
-    /// Writes tables of results.
+    /// Writes the table, the record, the plots and the report.
     ///
     /// # Errors
     /// Where they cannot be written.
     pub fn finish(&self, results: &Results) -> Result<(), CompareError> {
-        picture::write_text(&self.file("results.csv"), &columns::csv(results))?;
-        Ok(picture::write_text(&self.file(RESULTS), &json(results)?)?)
+        let csv = columns::csv(results);
+        picture::write_text(&self.root.join("results.csv"), &csv)?;
+        let plots = html::plots(results);
+        for (name, drawing) in plots.iter().chain([&("plot".to_owned(), Drawing::grid(&html::drawings(&plots), 2))]) {
+            picture::write_text(&self.root.join(format!("{name}.svg")), &svg::alone(drawing))?;
+            if let Some((size, texels)) = raster::paint(drawing, PLOT_SCALE) {
+                picture::write_png(&self.root.join(format!("{name}.png")), size, &texels)?;
+            }
+        }
+        picture::write_text(&self.root.join("report.html"), &html::page(results, self))?;
+        Ok(picture::write_text(&self.root.join(RESULTS), &json(results)?)?)
     }
 
     /// Takes over the pictures of another run.

@@ -119,7 +119,10 @@ impl Drawing {
     pub fn grid(all: &[Drawing], columns: usize) -> Drawing {
         let cell = all.iter().fold([0f64; 2], |m, d| [m[0].max(d.size[0]), m[1].max(d.size[1])]);
         let columns = columns.clamp(1, all.len().max(1));
-        let mut grid = Drawing { size: [cell[0] * columns as f64, cell[1] * all.len().div_ceil(columns) as f64], marks: Vec::new() };
+        let mut grid = Drawing {
+            size: [cell[0] * columns as f64, cell[1] * all.len().div_ceil(columns) as f64],
+            marks: Vec::new(),
+        };
         for (i, drawing) in all.iter().enumerate() {
             let by = [cell[0] * (i % columns) as f64, cell[1] * (i / columns) as f64];
             grid.marks.extend(drawing.marks.iter().cloned().map(|m| m.moved(by)));
