@@ -10,6 +10,7 @@ mod failure;
 mod profile;
 mod progress;
 mod render;
+mod stress;
 mod truth;
 
 use clap::{Parser, Subcommand};
@@ -43,6 +44,8 @@ enum Command {
     Calibrate(calibrate::Calibrate),
     /// Say how wrong one picture is against another.
     Diff(diff::Diff),
+    /// Try every stiff and extreme case and say what holds.
+    Stress(stress::Stress),
     /// List the Vulkan devices.
     Devices(devices::Devices),
 }
@@ -57,6 +60,7 @@ pub fn main() -> ExitCode {
         Command::Compare(c) => c.run(),
         Command::Calibrate(c) => c.run(),
         Command::Diff(c) => c.run(),
+        Command::Stress(c) => c.run(),
         Command::Devices(c) => c.run(),
     };
     match done {

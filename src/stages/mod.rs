@@ -6,6 +6,7 @@
 pub mod blur;
 pub mod combine;
 pub mod curvature;
+pub mod forward;
 pub mod gaussians;
 pub mod gbuffer;
 pub mod irradiance;
