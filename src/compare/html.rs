@@ -8,6 +8,8 @@ use super::store::{Folder, Results};
 use super::{html_pictures as pictures, pick};
 use svg::escape;
 
+/// Digits of a count: all.
+const WHOLE: i32 = 0;
 /// Bytes in what memory is shown in.
 const MIB: f64 = 1_048_576.;
 
@@ -95,7 +97,10 @@ impl Page<'_> {
     fn figure(&self, row: usize, column: &str, digits: i32, unit: Option<f64>) -> String {
         let value = self.text(row, column).parse::<f64>();
         let Ok(value) = value else { return "–".to_owned() };
-        let shown = significant(value / unit.unwrap_or(1.), digits);
+        // A count has no digits to spare.
+        let count = unit.is_none() && digits == WHOLE;
+        let shown =
+            if count { self.text(row, column).to_owned() } else { significant(value / unit.unwrap_or(1.), digits) };
         let unit = unit.map_or(String::new(), |u| format!(" data-k=\"{u}\""));
         format!("<data data-r=\"{row}\" data-c=\"{column}\"{unit} value=\"{value}\">{shown}</data>")
     }
@@ -107,7 +112,7 @@ impl Page<'_> {
 
     fn head(&self) -> String {
         let c = &self.results.context;
-        let whole = |column: &str| self.figure(0, column, 9, None);
+        let whole = |column: &str| self.figure(0, column, WHOLE, None);
         let watched = if c.validation { " The validation layers were on: these times are of them, too." } else { "" };
         format!(
             "<h1>Error against run time</h1>\n<p>Each way to light what light travels through, at each of its qualities: how long a \
@@ -184,8 +189,8 @@ impl Page<'_> {
             scene[0],
             escape(&self.title(scene)),
             escape(&first.why),
-            self.figure(scene[0], "triangles", 9, None),
-            self.figure(scene[0], "lights", 9, None),
+            self.figure(scene[0], "triangles", WHOLE, None),
+            self.figure(scene[0], "lights", WHOLE, None),
             self.figure(scene[0], "truth_rms", 2, None),
         );
         let body = if first.sweep.is_some() {
@@ -197,7 +202,7 @@ impl Page<'_> {
         } else {
             let drawing = time_error(self.results, scene);
             format!(
-                "<div class=\"pair\">{}{}</div>\n{}",
+                "<div class=\"chart\">{}</div>\n{}{}",
                 svg::inline(&drawing),
                 self.table(scene),
                 self.pictures(scene)

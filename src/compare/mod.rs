@@ -22,7 +22,7 @@ pub mod table;
 pub mod timing;
 
 use crate::frame::{FrameError, Output, Renderer};
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, GpuError};
 use crate::report::picture::PictureError;
 use crate::scene::SceneError;
 use crate::settings::{Method, Quality, Settings, Size, View};
@@ -213,7 +213,10 @@ impl Run<'_> {
                     cell.error = Some(Errors::of(&comparison, truth));
                     pictures::of_cell(self.folder, cell, &picture, truth)?;
                 }
-                Err(FrameError::Gpu(error)) => return Err(FrameError::Gpu(error).into()),
+                // What the device cannot do is a refusal; what it fails at is a failure.
+                Err(FrameError::Gpu(error)) if !matches!(error, GpuError::Misuse(_)) => {
+                    return Err(FrameError::Gpu(error).into());
+                }
                 Err(refusal) => cell.refused = Some(refusal.to_string()),
             }
             self.folder.keep(cell)?;

@@ -90,14 +90,14 @@ fn spec(name: &str, why: &'static str, base: &str, form: Form, stand: Stand, lit
 
 /// The standard set; `bust` is what is drawn where no scene is named.
 pub fn standard(bust: &str) -> Vec<Spec> {
-    let bumps = Form::Bumps { ring_mm: 20., height_mm: 0.35, waves: [36., 14.] };
+    let bumps = Form::Bumps { ring_mm: 12., height_mm: 0.25, waves: [24., 12.] };
     let torus = "shape:torus:10,4";
     let (around, key) = (Stand::Around(30., 35., 1.), Lit::KeyAndFill);
     vec![
         spec("sphere", "one curvature, no cast shadow", "shape:sphere:8", Form::Plain, around, key.clone()),
         spec("torus", "stiff: as small as light travels; hidden parts", torus, Form::Plain, around, key.clone()),
         spec("bust", "a whole object with cast shadows", bust, Form::Plain, Stand::Own, key.clone()),
-        spec("bumpy-torus", "relief finer than light travels", "shape:torus:20,8", bumps, around, key.clone()),
+        spec("bumpy-torus", "relief finer than light travels", "shape:torus:12,5", bumps, around, key.clone()),
         spec(
             "thin-sheet",
             "an ear: the other side is near",
@@ -231,17 +231,23 @@ fn deform(scene: &mut Scene, map: impl Fn(DVec3) -> DVec3) {
 mod tests {
     use super::*;
     use glam::Vec3;
+    use std::collections::HashMap;
 
     /// The greatest angle, degrees, between a vertex normal and the mean of the facets around it.
     fn worst_angle(scene: &Scene) -> f64 {
         let at = |i: u32| Vec3::from(scene.positions[i as usize]).as_dvec3();
-        let mut sums = vec![DVec3::ZERO; scene.positions.len()];
+        // Vertices of one place share their facets, so that a seam has both sides.
+        let place = |i: u32| scene.positions[i as usize].map(f32::to_bits);
+        let mut sums: HashMap<[u32; 3], DVec3> = HashMap::new();
         for t in scene.indices.chunks_exact(3) {
             let cross = (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0]));
-            t.iter().for_each(|i| sums[*i as usize] += cross);
+            t.iter().for_each(|i| *sums.entry(place(*i)).or_default() += cross);
         }
-        let angle = |(sum, n): (&DVec3, &[f32; 3])| sum.angle_between(Vec3::from(*n).as_dvec3()).to_degrees();
-        sums.iter().zip(&scene.normals).map(angle).fold(0., f64::max)
+        let angle = |i: u32| {
+            let normal = Vec3::from(scene.normals[i as usize]).as_dvec3();
+            sums.get(&place(i)).map_or(180., |sum| sum.angle_between(normal).to_degrees())
+        };
+        scene.indices.iter().map(|i| angle(*i)).fold(0., f64::max)
     }
 
     #[test]
@@ -251,8 +257,8 @@ mod tests {
             let mut subject = Subject::build(spec, &profile, None, None, Size { width: 64, height: 48 })?;
             let angle = worst_angle(&subject.scene);
             println!("{}: {angle:.3} degrees", spec.name);
-            // A sixth of a bump's wave spans a dozen triangles; seams have facets on one side only.
-            assert!(angle < 12., "{}: {angle}", spec.name);
+            // A bump's wave spans thirteen triangles, a corner of the sheet's grid ends in three of unlike size.
+            assert!(angle < 4., "{}: {angle}", spec.name);
             // The twin: the base's own normals on the moved surface.
             subject.scene.normals = Scene::shape(&spec.base)?.normals;
             assert!(worst_angle(&subject.scene) > 20., "{}", spec.name);

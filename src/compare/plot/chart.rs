@@ -112,13 +112,13 @@ fn legend(drawing: &mut Drawing, curves: &[(String, String)]) {
 
 fn frame(drawing: &mut Drawing, scales: &[Scale; 2], axes: &[Axis; 2]) {
     let [left, top, right, bottom] = FRAME;
-    for (value, at) in scales[0].ticks(44.) {
+    for (text, at) in scales[0].ticks(44.) {
         drawing.marks.push(Mark::Line { points: vec![[at, top], [at, bottom]], ink: Ink::Grid, width: 1. });
-        drawing.marks.push(tick([at, bottom + 16.], value, Anchor::Middle));
+        drawing.marks.push(tick([at, bottom + 16.], text, Anchor::Middle));
     }
-    for (value, at) in scales[1].ticks(20.) {
+    for (text, at) in scales[1].ticks(20.) {
         drawing.marks.push(Mark::Line { points: vec![[left, at], [right, at]], ink: Ink::Grid, width: 1. });
-        drawing.marks.push(tick([left - 6., at + 4.], value, Anchor::End));
+        drawing.marks.push(tick([left - 6., at + 4.], text, Anchor::End));
     }
     let corners = vec![[left, top], [left, bottom], [right, bottom]];
     drawing.marks.push(Mark::Line { points: corners, ink: Ink::Text, width: 1. });
@@ -133,8 +133,7 @@ fn frame(drawing: &mut Drawing, scales: &[Scale; 2], axes: &[Axis; 2]) {
     });
 }
 
-fn tick(at: [f64; 2], value: f64, anchor: Anchor) -> Mark {
-    let text = significant(value, 1);
+fn tick(at: [f64; 2], text: String, anchor: Anchor) -> Mark {
     Mark::Words { at, text, size: WORDS, anchor, tick: true, upright: false }
 }
 
@@ -160,19 +159,23 @@ impl Scale {
         self.places[0] + part * (self.places[1] - self.places[0])
     }
 
-    /// Round values and their places: as many of 1, 2, 5 and then all digits as stand `apart`.
-    fn ticks(&self, apart: f64) -> Vec<(f64, f64)> {
+    /// Round values, their texts and their places: 1, then 2 and 5, then all digits, then halves and tenths of them while
+    /// there are fewer than three, each where it stands `apart` from the others.
+    fn ticks(&self, apart: f64) -> Vec<(String, f64)> {
         let (from, to) = (self.ends[0].floor() as i32, self.ends[1].ceil() as i32);
-        let mut ticks: Vec<(f64, f64)> = Vec::new();
-        for digits in [&[1.][..], &[2., 5.], &[3., 4., 6., 7., 8., 9.]] {
-            for exponent in from..=to {
-                for digit in digits {
-                    let value = digit * 10f64.powi(exponent);
-                    let inside = (self.ends[0]..=self.ends[1]).contains(&value.log10());
-                    let at = self.place(value);
-                    if inside && ticks.iter().all(|(_, other)| (at - other).abs() >= apart) {
-                        ticks.push((value, at));
-                    }
+        // Multiples of a part of the decade, and the digits that they are written with.
+        let finer = |parts: i32| (parts..10 * parts).map(|n| f64::from(n) / f64::from(parts)).collect::<Vec<_>>();
+        let kinds = [(vec![1.], 1), (vec![2., 5.], 1), (finer(1), 1), (finer(2), 2), (finer(10), 2), (finer(100), 3)];
+        let mut ticks: Vec<(String, f64)> = Vec::new();
+        for (kind, (multiples, digits)) in kinds.iter().enumerate() {
+            if kind > 2 && ticks.len() >= 3 {
+                break;
+            }
+            for value in (from..=to).flat_map(|e| multiples.iter().map(move |m| m * 10f64.powi(e))) {
+                let inside = (self.ends[0]..=self.ends[1]).contains(&value.log10());
+                let at = self.place(value);
+                if inside && ticks.iter().all(|(_, other)| (at - other).abs() >= apart) {
+                    ticks.push((significant(value, *digits), at));
                 }
             }
         }
@@ -191,9 +194,13 @@ mod tests {
         let (a, b, c) = (scale.place(1.), scale.place(10.), scale.place(100.));
         assert!((b - a - (c - b)).abs() < 1e-9 && a > FRAME[0] && c < FRAME[2]);
         let ticks = scale.ticks(44.);
-        assert!(ticks.len() >= 3 && ticks.iter().any(|t| t.0 == 10.), "{ticks:?}");
+        assert!(ticks.len() >= 3 && ticks.iter().any(|t| t.0 == "10"), "{ticks:?}");
         // Less than a decade still has a scale.
-        assert!(Scale::around([0.011, 0.018].into_iter(), 1).ticks(20.).len() >= 3);
+        for values in [[0.011, 0.018], [0.0692, 0.0721], [7., 7.]] {
+            let ticks = Scale::around(values.into_iter(), 1).ticks(20.);
+            println!("{values:?}: {ticks:?}");
+            assert!(ticks.len() >= 3, "{values:?}: {ticks:?}");
+        }
     }
 
     #[test]
