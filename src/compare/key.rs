@@ -8,7 +8,7 @@ use std::io::Read;
 use std::path::Path;
 
 /// The text of everything that decides a truth besides its inputs: a change there makes another truth.
-const TRUTH_SOURCES: [(&str, &str); 10] = [
+const TRUTH_SOURCES: [(&str, &str); 11] = [
     ("bands.rs", include_str!("../truth/bands.rs")),
     ("bump.rs", include_str!("../truth/bump.rs")),
     ("cloud.rs", include_str!("../truth/cloud.rs")),
@@ -18,6 +18,7 @@ const TRUTH_SOURCES: [(&str, &str); 10] = [
     ("mod.rs", include_str!("../truth/mod.rs")),
     ("near.rs", include_str!("../truth/near.rs")),
     ("random.rs", include_str!("../truth/random.rs")),
+    ("state.rs", include_str!("../truth/state.rs")),
     ("surface.rs", include_str!("../truth/surface.rs")),
 ];
 

@@ -4,9 +4,10 @@ use super::CompareError;
 use super::key;
 use crate::frame::Inputs;
 use crate::report::picture;
-use crate::truth::{self, Effort, metrics};
+use crate::truth::{self, Checkpoint, Effort, metrics};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use std::time::Duration;
 
 /// The answer that pictures are held against.
 pub struct Reference {
@@ -32,6 +33,8 @@ struct Card {
 }
 
 const SCHEMA: u32 = 1;
+/// An interruption costs at most this much of a truth.
+const STATE_EVERY: Duration = Duration::from_secs(15);
 
 /// Finds the truth of these inputs in `cache`, or integrates it and keeps it there.
 ///
@@ -48,13 +51,19 @@ pub fn find(
     if let Some(found) = read(&key, &path("exr"), &path("bands.exr"), &path("json")) {
         return Ok(found);
     }
-    let answer = truth::solve(inputs, None, effort, progress)?;
-    let size = [answer.window.width, answer.window.height];
     std::fs::create_dir_all(cache).map_err(|e| CompareError::file(cache, e))?;
+    let state = Checkpoint { file: path("state"), every: STATE_EVERY };
+    let answer = truth::resume(inputs, None, effort, Some(&state), progress)?;
+    let size = [answer.window.width, answer.window.height];
     let card = Card { schema: SCHEMA, rms: answer.error.rms, samples: answer.samples, seconds: answer.seconds };
     picture::write_exr(&path("exr"), size, &answer.pixels)?;
     picture::write_exr(&path("bands.exr"), size, &metrics::bands_picture(&answer.bands))?;
     picture::write_text(&path("json"), &super::store::json(&card)?)?;
+    match std::fs::remove_file(&state.file) {
+        // A truth of seconds leaves no state.
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(CompareError::file(&state.file, e)),
+        _ => {}
+    }
     Ok(Reference { size, pixels: answer.pixels, bands: answer.bands, rms: answer.error.rms, key })
 }
 
