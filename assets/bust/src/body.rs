@@ -141,7 +141,7 @@ pub fn body(p: DVec3) -> f64 {
     }
     let mut trunk = neck(p);
     // Sternomastoid, from behind the ear to the breastbone.
-    let strap = cone(p, [53., -62., -26.], [12., -202., 22.], 7., 5.5);
+    let strap = cone(p, [53., -62., -26.], [12., -202., 17.], 7., 5.);
     trunk = join(trunk, strap, 13.);
     // Larynx.
     trunk -= 2.5 * bump(p, [0., -146., 37.], [8., 12., 12.]);
@@ -150,8 +150,8 @@ pub fn body(p: DVec3) -> f64 {
         return d;
     }
     d = join(d, torso(p), 28.);
-    // The pit of the throat.
-    d += 1.8 * bump(p, [0., -200., 20.], [10., 9., 16.]);
+    // The pit of the throat is shallow between the straps.
+    d -= 1.5 * bump(p, [0., -197., 16.], [8., 14., 16.]);
     d = meet(d, p.x - 183., 30.);
     meet(d, BASE - p.y, 24.)
 }

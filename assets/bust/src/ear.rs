@@ -63,7 +63,7 @@ pub fn ear(d: f64, p: DVec3) -> f64 {
         return d;
     }
     let q = local(p);
-    let sheet = (q.z - 0.2 + 0.006 * (q.x * q.x)).abs() - 1.5;
+    let sheet = (q.z - 0.3).abs() - 1.5;
     let mut ear = meet(outline(q), sheet, 2.5);
     // What holds it to the head, hollowed by the bowl.
     let stalk = cone(q, [-7., 5., -9.], [-7., -9., -9.], 8.5, 8.);

@@ -91,8 +91,8 @@ pub fn ball(rings: u32, sides: u32) -> (Vec<Vertex>, Vec<[u32; 3]>) {
             vertices.push(vertex(direction, turn, ring));
             let at = |ring: u32, side: u32| if ring == 0 { 0 } else { 1 + (ring - 1) * sides + side % sides };
             let [a, b, c, d] = [at(ring - 1, side), at(ring, side), at(ring, side + 1), at(ring - 1, side + 1)];
-            triangles.push([a, b, c]);
-            if ring > 1 {
+            triangles.push(if ring < rings { [a, b, c] } else { [a, b, d] });
+            if ring > 1 && ring < rings {
                 triangles.push([a, c, d]);
             }
         }
