@@ -109,13 +109,13 @@ fn whole(half: &Mesh, uv: &[DVec2]) -> (Soup, Vec<[u32; 3]>) {
         soup.normals.push(n);
         soup.uvs.push(*q);
     }
-    for i in 0..half.positions.len() {
-        if uv[i].x == 0.5 {
+    for (i, own) in uv.iter().enumerate() {
+        if own.x == 0.5 {
             twin.push(i as u32);
             continue;
         }
         twin.push(soup.positions.len() as u32);
-        let (p, n, q) = (soup.positions[i], soup.normals[i], soup.uvs[i]);
+        let (p, n, q) = (soup.positions[i], soup.normals[i], *own);
         soup.positions.push(dvec3(-p.x, p.y, p.z));
         soup.normals.push(dvec3(-n.x, n.y, n.z));
         soup.uvs.push(dvec2(1. - q.x, q.y));
