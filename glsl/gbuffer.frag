@@ -9,28 +9,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "common/octahedral.glsl"
-
-layout(constant_id = 2) const bool BASE_MAP = false;
-layout(constant_id = 3) const bool ROUGH_MAP = false;
-layout(constant_id = 4) const bool NORMAL_MAP = false;
-layout(constant_id = 5) const bool OCCLUSION_MAP = false;
-layout(constant_id = 6) const bool ALPHA_MASK = false;
-
-layout(push_constant, scalar) uniform Push {
-    vec4 base_color;
-    float roughness;
-    float metallic;
-    float normal_scale;
-    float occlusion_strength;
-    float alpha_cutoff;
-    float reflectance;     // F0 of the dielectric
-    float scatter;         // mask: 0 does not scatter
-} push;
-
-layout(set = 0, binding = 2) uniform sampler2D base_color_map;
-layout(set = 0, binding = 3) uniform sampler2D metallic_roughness_map;
-layout(set = 0, binding = 4) uniform sampler2D normal_map;
-layout(set = 0, binding = 5) uniform sampler2D occlusion_map;
+#include "common/material.glsl"
 
 layout(location = 0) in vec3 view_normal;
 layout(location = 1) in vec2 uv;
@@ -44,34 +23,15 @@ layout(location = 3) out vec4 material;
 layout(location = 4) out uint bumped;
 
 void main() {
-    vec4 base = push.base_color;
-    if (BASE_MAP) base *= texture(base_color_map, uv);
+    vec4 base = material_base(uv);
     if (ALPHA_MASK && base.a < push.alpha_cutoff) discard;
-    vec2 rm = vec2(push.roughness, push.metallic);
-    if (ROUGH_MAP) rm *= texture(metallic_roughness_map, uv).gb;
-    float occlusion = OCCLUSION_MAP ? mix(1., texture(occlusion_map, uv).r, push.occlusion_strength) : 1.;
-
-    // An interpolated normal of opposite ends can vanish; any unit vector is better than a NaN.
-    float square = dot(view_normal, view_normal);
-    vec3 n = square > 0. ? view_normal * inversesqrt(square) : vec3(0., 0., 1.);
-    if (!gl_FrontFacing) n = -n;
+    vec3 n = material_normal(view_normal, gl_FrontFacing);
     vec3 b = n;
-    if (NORMAL_MAP) {
-        vec3 m = texture(normal_map, uv).xyz * 2. - 1.;
-        m.xy *= push.normal_scale;
-        vec3 t = view_tangent.xyz - n * dot(n, view_tangent.xyz);
-        float tt = dot(t, t);
-        if (tt > 0.) {
-            t *= inversesqrt(tt);
-            vec3 s = cross(n, t) * (gl_FrontFacing ? view_tangent.w : -view_tangent.w);
-            vec3 p = t * m.x + s * m.y + n * max(m.z, 1e-3);
-            b = normalize(p);
-        }
-    }
+    if (NORMAL_MAP) b = material_bumped(n, view_tangent, texture(normal_map, uv).xyz, gl_FrontFacing);
 
     viewz = push.scatter > 0. ? -view_distance : view_distance;
     normal = octahedral_encode(n);
     albedo = vec4(sqrt(clamp(base.rgb, 0., 1.)), push.scatter);
-    material = vec4(clamp(rm, 0., 1.), occlusion, sqrt(push.reflectance));
+    material = vec4(material_rough_metal(uv), material_occlusion(uv), sqrt(push.reflectance));
     bumped = octahedral_encode(b);
 }

@@ -1,5 +1,5 @@
-// gbuffer: meshes -> depth, viewz, normal, albedo, material, bumped.
-// variants: plain UV=0 TANGENT=0; uv UV=1 TANGENT=0; tangent UV=1 TANGENT=1
+// gbuffer and forward: meshes, in view space, for their fragment shaders.
+// variants: plain UV=0 TANGENT=0; uv UV=1 TANGENT=0; tangent UV=1 TANGENT=1; plain_bend UV=0 TANGENT=0 BEND=1; uv_bend UV=1 TANGENT=0 BEND=1; tangent_bend UV=1 TANGENT=1 BEND=1
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "common/frame.glsl"
@@ -18,6 +18,12 @@ layout(location = 3) in vec4 tangent;
 const vec4 tangent = vec4(0.);
 #endif
 
+// Unsigned curvature of the mesh, 1/mm, for `forward`.
+#ifdef BEND
+layout(location = 4) in float bend;
+layout(location = 4) out float out_bend;
+#endif
+
 layout(location = 0) out vec3 view_normal;
 layout(location = 1) out vec2 out_uv;
 layout(location = 2) out vec4 view_tangent;
@@ -29,5 +35,8 @@ void main() {
     view_normal = rotation * normal;
     view_distance = -(frame.view_from_world * vec4(position, 1.)).z;
     out_uv = uv;
+#ifdef BEND
+    out_bend = bend;
+#endif
     view_tangent = vec4(rotation * tangent.xyz, tangent.w);
 }

@@ -72,5 +72,6 @@ pub mod settings;
 pub mod shaders;
 pub mod skin;
 pub mod stages;
+pub mod stress;
 pub mod targets;
 pub mod truth;

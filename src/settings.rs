@@ -13,6 +13,8 @@ pub enum Method {
     Pdss,
     /// Un-normalised blurred normals and their spread, closed form per Gaussian of the profile.
     Moments,
+    /// Forward: one look-up by the surface's curvature, blurred normal maps and shadow edges (Penner & Borshukov 2011).
+    Preintegrated,
     /// Irradiance blurred in screen space, a separable pair of passes a Gaussian (Jimenez & Gutierrez 2010).
     Gaussians,
     /// Irradiance blurred in screen space by one separable pair of passes (Jimenez et al. 2015).
@@ -88,6 +90,16 @@ pub enum Curvature {
     Metric,
     /// Eight neighbours, weighted least squares.
     Fit,
+}
+
+/// Where `preintegrated` has its curvature from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ForwardCurvature {
+    /// |fwidth N| / |fwidth P| of the pixel's quad, as published.
+    Derivative,
+    /// Of the mesh, computed once and interpolated: no facets.
+    Vertex,
 }
 
 /// Resolution of the blur.
@@ -204,7 +216,10 @@ pub struct Settings {
     /// Which kernels run where there are two.
     #[arg(long, value_enum, default_value_t)]
     pub kernels: Kernels,
-    /// Integral behind the look-up table of `pdss`.
+    /// Curvature of `preintegrated`; default: derivative at low and medium quality, vertex above.
+    #[arg(long, value_enum)]
+    pub forward_curvature: Option<ForwardCurvature>,
+    /// Integral behind the look-up table of `pdss` and `preintegrated`.
     #[arg(long, value_enum, default_value_t)]
     pub integral: Integral,
     /// Where the surface's colour acts, for methods that scatter light itself; with the others it acts where light leaves.
@@ -269,6 +284,7 @@ impl Default for Settings {
             passes: None,
             resolution: None,
             kernels: Kernels::default(),
+            forward_curvature: None,
             integral: Integral::default(),
             texturing: Texturing::default(),
             separable_kernel: SeparableKernel::default(),

@@ -29,7 +29,7 @@ fn frame() -> Layout {
         perspective,
         pixels_per_mm,
         origin,
-        pad,
+        light_unit,
         ambient_mean,
         exposure,
         ambient_slope,
@@ -56,7 +56,7 @@ fn twin(shader: &Shader, block: &Block) -> Option<Layout> {
         (_, "Light") => {
             layout!(LightEntry { position, kind, color, range_mm, axis, inner_cos, outer_cos, layer, texel_mm, slot })
         }
-        ("gbuffer", "Push") => layout!(MaterialPush {
+        ("gbuffer" | "forward", "Push") => layout!(MaterialPush {
             base_color,
             roughness,
             metallic,

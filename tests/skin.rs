@@ -10,6 +10,8 @@ mod lut;
 mod moments;
 #[path = "skin/occlusion.rs"]
 mod occlusion;
+#[path = "skin/penumbra.rs"]
+mod penumbra;
 #[path = "skin/profile.rs"]
 mod profile;
 #[path = "skin/ring.rs"]

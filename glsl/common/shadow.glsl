@@ -11,18 +11,8 @@ int shadow_face(vec3 d) {
     return d.z >= 0. ? 4 : 5;
 }
 
-float shadow_visibility(Light light, vec3 position, vec3 normal, vec3 l, mat3 world_from_view) {
-    int layer = light.layer;
-    float texel = light.texel_mm;
-    if (!ALL_DIRECTIONAL && light.kind != LIGHT_DIRECTIONAL) {
-        vec3 d = position - light.position;
-        texel *= length(d);
-        if (light.kind == LIGHT_POINT) layer += shadow_face(world_from_view * d);
-    }
-    // The receiver is lifted along its own normal by what the filter's footprint can rise on a slope: no constant bias, so
-    // thin parts keep their contact.
-    float c = clamp(dot(normal, l), 0., 1.);
-    vec3 p = position + normal * (texel * (.3 + .8 * sqrt(1. - c * c)));
+// Lit share of the four texels around a point, view space, mm.
+float shadow_fetch(int layer, vec3 p) {
     vec4 q = lights.shadow_from_view[layer] * vec4(p, 1.);
     vec3 s = q.xyz;
     if (!ALL_DIRECTIONAL) {
@@ -35,4 +25,19 @@ float shadow_visibility(Light light, vec3 position, vec3 normal, vec3 l, mat3 wo
     // A gather returns x (0,1), y (1,1), z (1,0), w (0,0).
     vec4 a = vec4(lessThanEqual(textureGather(shadow, vec3((base + 1.) / size, float(layer))), vec4(s.z)));
     return mix(mix(a.w, a.z, f.x), mix(a.x, a.y, f.x), f.y);
+}
+
+float shadow_visibility(Light light, vec3 position, vec3 normal, vec3 l, mat3 world_from_view) {
+    int layer = light.layer;
+    float texel = light.texel_mm;
+    if (!ALL_DIRECTIONAL && light.kind != LIGHT_DIRECTIONAL) {
+        vec3 d = position - light.position;
+        texel *= length(d);
+        if (light.kind == LIGHT_POINT) layer += shadow_face(world_from_view * d);
+    }
+    // The receiver is lifted along its own normal by what the filter's footprint can rise on a slope: no constant bias, so
+    // thin parts keep their contact.
+    float c = clamp(dot(normal, l), 0., 1.);
+    vec3 p = position + normal * (texel * (.3 + .8 * sqrt(1. - c * c)));
+    return shadow_fetch(layer, p);
 }

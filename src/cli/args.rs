@@ -6,7 +6,7 @@ use clap::Args;
 use glam::DVec3;
 use pdss::frame::{Inputs, Output};
 use pdss::gpu::timing::TimingMode;
-use pdss::gpu::{Gpu, Options};
+use pdss::gpu::{Gpu, GpuError, Options};
 use pdss::scene::{Camera, Light, LoadOptions, Scene};
 use pdss::settings::Settings;
 use pdss::skin::profile::Profile;
@@ -80,7 +80,7 @@ pub struct Device {
     device: Option<String>,
     /// Core and synchronization validation: any message is a failure.
     #[arg(long)]
-    validate: bool,
+    pub(super) validate: bool,
 }
 
 /// Everything a frame is made of, loaded.
@@ -214,6 +214,11 @@ impl Device {
     /// Opens the device.
     pub fn open(&self) -> Result<Arc<Gpu>, Failure> {
         Ok(Gpu::open(&Options { validate: self.validate, device: self.device.clone() })?)
+    }
+
+    /// Opens it with validation, asked for or not.
+    pub fn open_validated(&self) -> Result<Arc<Gpu>, GpuError> {
+        Gpu::open(&Options { validate: true, device: self.device.clone() })
     }
 }
 

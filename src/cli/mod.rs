@@ -7,6 +7,7 @@ mod explain;
 mod failure;
 mod profile;
 mod render;
+mod stress;
 mod truth;
 
 use clap::{Parser, Subcommand};
@@ -36,6 +37,8 @@ enum Command {
     Truth(truth::Truth),
     /// Say how wrong one picture is against another.
     Diff(diff::Diff),
+    /// Try every stiff and extreme case and say what holds.
+    Stress(stress::Stress),
     /// List the Vulkan devices.
     Devices(devices::Devices),
 }
@@ -48,6 +51,7 @@ pub fn main() -> ExitCode {
         Command::Explain(c) => c.run(),
         Command::Truth(c) => c.run(),
         Command::Diff(c) => c.run(),
+        Command::Stress(c) => c.run(),
         Command::Devices(c) => c.run(),
     };
     match done {

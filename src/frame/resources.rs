@@ -1,5 +1,6 @@
 //! What a frame reads and never writes: vertex streams, textures, tables, constants.
 
+use super::brightness::light_unit;
 use super::setup::Setup;
 use super::uniforms::{FrameBlock, LightBlock, MAX_LEVELS};
 use super::{FrameError, Inputs};
@@ -7,9 +8,11 @@ use crate::gpu::commands::{Guarded, Recorder};
 use crate::gpu::pass::Bound;
 use crate::gpu::usage::{State, Usage};
 use crate::gpu::{Buffer, Gpu, Image, ImageDesc, Sampler};
-use crate::scene::{Filter, Texture, Wrap};
-use crate::settings::Method;
+use crate::methods::preintegrated;
+use crate::scene::{Filter, Texture, Wrap, vertex_curvature};
+use crate::settings::{ForwardCurvature, Method};
 use crate::skin::lut::Lut;
+use crate::skin::penumbra;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 use rayon::prelude::*;
@@ -21,6 +24,7 @@ pub const EXTERNAL: &[&str] = &[
     "lights",
     "shadow_world",
     "lut",
+    "penumbra",
     "kernel",
     "no shadow",
     "base_color_map",
@@ -39,6 +43,7 @@ pub struct Resources {
     white: Image,
     no_shadow: Image,
     lut: Option<Image>,
+    penumbra: Option<Image>,
     samplers: Vec<Sampler>,
     linear: Sampler,
     nearest: Sampler,
@@ -62,7 +67,8 @@ impl Resources {
     /// Where memory or the driver gives out.
     pub fn new(gpu: &Arc<Gpu>, inputs: &Inputs<'_>, s: &Setup) -> Result<Resources, FrameError> {
         let scene = inputs.scene;
-        let lut = (s.settings.method == Method::Pdss && !s.levels.levels.is_empty())
+        let forward = s.settings.method == Method::Preintegrated && s.diffuses;
+        let lut = (forward || s.settings.method == Method::Pdss && !s.levels.levels.is_empty())
             .then(|| inputs.profile.as_ref().map(|p| Lut::build(p, s.settings.integral.into())))
             .flatten();
         let mut uploads = Upload::new(gpu)?;
@@ -76,6 +82,10 @@ impl Resources {
         }
         if s.normal_maps {
             streams.push(uploads.buffer("tangents", bytemuck::cast_slice(&scene.tangents), vertex)?);
+        }
+        if forward && preintegrated::effort(&s.settings).curvature == ForwardCurvature::Vertex {
+            let bend = vertex_curvature(scene);
+            streams.push(uploads.buffer("mesh curvature", bytemuck::cast_slice(&bend), vertex)?);
         }
         let indices =
             uploads.buffer("indices", bytemuck::cast_slice(&scene.indices), vk::BufferUsageFlags::INDEX_BUFFER)?;
@@ -107,6 +117,15 @@ impl Resources {
             let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
             Pixels { desc: ImageDesc::new("lut", vk::Format::R16_SFLOAT, size, usage), bytes, mips: vec![(0, size)] }
         });
+        let penumbra = match (&inputs.profile, s.kernel.first()) {
+            (Some(profile), Some(row)) if forward => {
+                let bytes = penumbra::table(profile, row[3]).iter().flat_map(|h| h.to_le_bytes()).collect();
+                let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
+                let desc = ImageDesc::new("penumbra", vk::Format::R16G16B16A16_SFLOAT, penumbra::SIZE, usage);
+                Some(uploads.image(Pixels { desc, bytes, mips: vec![(0, penumbra::SIZE)] })?)
+            }
+            _ => None,
+        };
         let lut_image = lut_pixels.map(|p| uploads.image(p)).transpose()?;
         uploads.run()?;
 
@@ -132,6 +151,7 @@ impl Resources {
             white,
             no_shadow,
             lut: lut_image,
+            penumbra,
             samplers,
             linear: Sampler::new(gpu, "linear sampler", vk::Filter::LINEAR, clamp, false)?,
             nearest: Sampler::new(gpu, "nearest sampler", vk::Filter::NEAREST, clamp, false)?,
@@ -157,6 +177,7 @@ impl Resources {
             "shadow_world" => Bound::Buffer(&self.shadow_world),
             "no shadow" => Bound::Sampled(&self.no_shadow, &self.nearest),
             "kernel" => Bound::Buffer(self.kernel.as_ref()?),
+            "penumbra" => Bound::Sampled(self.penumbra.as_ref()?, &self.linear),
             "lut" => Bound::Sampled(self.lut.as_ref()?, &self.linear),
             "base_color_map" => map(0),
             "metallic_roughness_map" => map(1),
@@ -194,6 +215,7 @@ fn frame_block(inputs: &Inputs<'_>, s: &Setup, lut_knee: f32) -> FrameBlock {
     block.perspective = s.view.perspective;
     block.pixels_per_mm = s.view.pixels_per_mm as f32;
     block.origin = inputs.scene.origin.as_vec3().to_array();
+    block.light_unit = light_unit(&inputs.lights, &settings.ambient, &inputs.scene.positions, &inputs.scene.bounds);
     block.ambient_mean = std::array::from_fn(|c| (up[c] + down[c]) / 2.);
     block.ambient_slope = std::array::from_fn(|c| (up[c] - down[c]) / 2.);
     block.exposure = settings.exposure.exp2();

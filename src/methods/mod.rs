@@ -5,6 +5,7 @@ mod gaussians;
 mod lambert;
 mod moments;
 mod pdss;
+pub mod preintegrated;
 pub mod separable;
 mod wrap;
 
@@ -23,14 +24,18 @@ pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
     let external = EXTERNAL.iter().map(|n| (*n).to_owned()).collect();
     let mut plan = Plan { external, ..Plan::default() };
     let kept = s.picture();
-    // Tiles without a surface are never visited: their colour is the clear's.
     plan.image(kept, s.size);
-    plan.clear("clear", kept, [0.; 4]);
     // What projects below a pixel everywhere is a point, and nothing is left to scatter.
-    match if s.diffuses { s.settings.method } else { Method::Lambert } {
+    let method = if s.diffuses { s.settings.method } else { Method::Lambert };
+    if !(method == Method::Preintegrated && s.lit_view()) {
+        // Tiles without a surface are never visited: their colour is the clear's. A raster pass clears for itself.
+        plan.clear("clear", kept, [0.; 4]);
+    }
+    match method {
         Method::Lambert => lambert::frame(&mut plan, s),
         Method::Pdss => pdss::frame(&mut plan, s),
         Method::Moments => moments::frame(&mut plan, s),
+        Method::Preintegrated => preintegrated::frame(&mut plan, s),
         Method::Gaussians => gaussians::frame(&mut plan, s),
         Method::Separable => separable::frame(&mut plan, s),
         Method::Burley => burley::frame(&mut plan, s),
@@ -56,6 +61,7 @@ pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
 pub fn kernel(settings: &Settings, profile: &Profile, least_sigma_mm: f64) -> Vec<[f64; 4]> {
     match settings.method {
         Method::Lambert | Method::Pdss | Method::Moments => Vec::new(),
+        Method::Preintegrated => preintegrated::kernel(profile),
         Method::Gaussians => gaussians::kernel(settings.quality, profile, least_sigma_mm),
         Method::Separable => separable::kernel(settings, profile),
         Method::Burley => burley::kernel(profile),

@@ -12,6 +12,7 @@ mod error;
 mod gltf;
 mod light;
 mod material;
+mod mesh_curvature;
 mod normals;
 mod shape;
 mod shape_mesh;
@@ -25,6 +26,7 @@ pub use camera::{Camera, Projection};
 pub use error::SceneError;
 pub use light::{Light, LightKind, direction_from};
 pub use material::{Alpha, Filter, Material, Texture, Wrap};
+pub use mesh_curvature::vertex_curvature;
 pub use shape::{ShapeSpec, shape_curvature, shape_normal};
 
 /// Everything a frame can draw, in mm, relative to [`origin`](Self::origin).

@@ -9,6 +9,7 @@
 //! | [`lut`] | either of them as a small table over (mu, curvature) that a GPU samples bilinearly |
 //! | [`moments`] | E max(0, X) of a normal variable: the closed form that needs no table |
 //! | [`burley`] | Burley's normalised diffusion as samples: its inverse distribution, and which one is closest to a profile |
+//! | [`penumbra`] | what the profile makes of a shadow's edge whose penumbra has a known width |
 //! | [`separable`] | the kernel of one separable pair of passes, and what passes through a thin part |
 //! | [`occlusion`] | how much of the sky a concave patch of known curvature hides |
 //!
@@ -21,8 +22,9 @@ pub mod curvature;
 pub mod lut;
 pub mod moments;
 pub mod occlusion;
+pub mod penumbra;
 pub mod profile;
-mod quadrature;
+pub(crate) mod quadrature;
 pub mod ring;
 pub mod separable;
 pub mod sphere;

@@ -7,6 +7,7 @@ pub mod blur;
 pub mod burley;
 pub mod combine;
 pub mod curvature;
+pub mod forward;
 pub mod gaussians;
 pub mod gbuffer;
 pub mod irradiance;

@@ -1,7 +1,7 @@
 //! Built-in shapes against their formulas.
 
 use glam::{DVec3, Vec3};
-use pdss::scene::{LoadOptions, Scene, ShapeSpec, shape_curvature, shape_normal};
+use pdss::scene::{LoadOptions, Scene, ShapeSpec, shape_curvature, shape_normal, vertex_curvature};
 
 use crate::check::{SHAPES, assert_sound, built};
 use crate::fixture::area;
@@ -145,4 +145,29 @@ fn shapes_of_every_size_and_no_other_text() {
         let line = Scene::open(text, &LoadOptions::default()).unwrap_err().to_string();
         assert!(line.starts_with(text) && line.contains(expected), "{line}");
     }
+}
+
+/// Largest |curvature - of(vertex)| over the mesh, relative.
+fn bend_apart(scene: &Scene, of: impl Fn(DVec3) -> f64) -> f64 {
+    let apart = |(p, k): (&[f32; 3], f32)| (f64::from(k) / of(Vec3::from(*p).as_dvec3()) - 1.0).abs();
+    scene.positions.iter().zip(vertex_curvature(scene)).map(apart).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_mesh_knows_its_curvature() {
+    let (sphere, _) = built("sphere:20");
+    let on_sphere = bend_apart(&sphere, |_| 1.0 / 20.0);
+    // On a torus edges run along both principal directions: 1/r, and |cos t| / (R + r cos t) around the hole.
+    let (torus, _) = built("torus:70,25");
+    let around = |p: DVec3| {
+        let radius = p.x.hypot(p.z);
+        ((radius - 70.0) / 25.0).abs() / radius
+    };
+    let on_torus = bend_apart(&torus, |p| (1.0 / 25.0 + around(p)) / 2.0);
+    let wrong = bend_apart(&torus, |_| 1.0 / 25.0);
+    let (plane, _) = built("plane");
+    println!("sphere {on_sphere:.1e}, torus {on_torus:.1e}, torus as a cylinder {wrong:.1e}");
+    // The least edge of a vertex is a diagonal where |cos t| changes sign; smoothing blurs that kink.
+    assert!(on_sphere < 1e-3 && on_torus < 0.05 && wrong > 0.2);
+    assert!(vertex_curvature(&plane).iter().all(|k| *k == 0.0));
 }

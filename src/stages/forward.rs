@@ -1,0 +1,39 @@
+//! forward: meshes, shadow, lut, penumbra -> ldr or exr, depth. Lights what it draws: no G-buffer, no tiles.
+
+use super::gbuffer;
+use crate::frame::setup::Setup;
+use crate::methods::preintegrated;
+use crate::plan::{Geometry, Plan};
+use crate::settings::{ForwardCurvature, View};
+use crate::shaders;
+use ash::vk;
+
+/// Adds the pass.
+pub fn add(plan: &mut Plan, s: &Setup) {
+    let effort = preintegrated::effort(&s.settings);
+    let lit = s.settings.view == View::Final;
+    plan.image("depth", s.size);
+    let mut state = gbuffer::state(s, &[s.picture()]);
+    let bend = effort.curvature == ForwardCurvature::Vertex;
+    if bend {
+        state.streams.push((4, vk::Format::R32_SFLOAT));
+    } else {
+        plan.leave_out("curvature of the mesh", "screen-space derivatives tell it", 0);
+    }
+    let colors = vec![(s.picture().to_owned(), Some([0; 4]))];
+    let depth = ("depth".to_owned(), None, 0.);
+    let fragment = if bend { &shaders::FORWARD_FRAG_VERTEX } else { &shaders::FORWARD_FRAG_DERIVATIVE };
+    let vertex = gbuffer::vertex(s, bend);
+    let pass = plan
+        .raster("forward", vertex, Some(fragment), state, colors, depth, Geometry::Materials)
+        .constant("OUTPUT", s.lit_output())
+        .constant("SHADOWS", u32::from(!s.shadows.matrices.is_empty()))
+        .constant("AMBIENT", u32::from(lit && s.ambient))
+        .constant("CURVE", s.tone_curve())
+        .constant("NORMALS", effort.normals - 1)
+        .constant("TAPS", effort.taps);
+    s.specialise_lights(pass);
+    if s.shadows.matrices.is_empty() {
+        pass.bind("shadow", "no shadow");
+    }
+}
