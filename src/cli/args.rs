@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// What is drawn where no scene is named.
-const DEFAULT_SCENE: &str = "shape:torus:70,25";
+pub const DEFAULT_SCENE: &str = "bust";
 /// How things scatter where no profile is named.
 const DEFAULT_PROFILE: &str = "skin";
 /// Vertical field of view where none is given, degrees.
@@ -30,10 +30,17 @@ pub struct Aim {
     size: f64,
 }
 
+impl Aim {
+    /// The directional light that it aims.
+    pub fn light(&self) -> Light {
+        Light::directional(self.yaw, self.pitch, self.size as f32)
+    }
+}
+
 /// The scene and how it is seen.
 #[derive(Debug, Args)]
 pub struct View {
-    /// A .gltf or .glb file, or shape:plane, shape:sphere:R, shape:cylinder:R, shape:torus:R,r, shape:saddle:a,
+    /// A .gltf or .glb file, bust (the head that comes with the program), or shape:plane, shape:sphere:R, shape:cylinder:R, shape:torus:R,r, shape:saddle:a,
     /// shape:cube:a, shape:ellipsoid:a,b,c (mm).
     #[arg(value_name = "SCENE", default_value = DEFAULT_SCENE)]
     scene: String,
@@ -57,7 +64,8 @@ pub struct View {
     /// Diffusion profile: a built-in name, a .toml file, or none.
     #[arg(long, value_name = "NAME|FILE", default_value = DEFAULT_PROFILE)]
     profile: String,
-    /// The one material that has the profile. Default: every opaque dielectric.
+    /// The one material that has the profile. Default: those the file says light passes into,
+    /// else every opaque dielectric.
     #[arg(long, value_name = "NAME")]
     profile_material: Option<String>,
     /// Millimetres in one unit of the file. Default: 1000.
@@ -175,7 +183,7 @@ impl View {
 
     /// Whether the validation layers are on.
     pub fn validates(&self) -> bool {
-        self.device.validate
+        self.device.validates()
     }
 
     fn camera(&self, scene: &Scene) -> Result<Camera, Failure> {
@@ -194,9 +202,7 @@ impl View {
     }
 
     fn lights(&self, scene: &Scene) -> Vec<Light> {
-        let directional = |aims: &[Aim]| -> Vec<Light> {
-            aims.iter().map(|a| Light::directional(a.yaw, a.pitch, a.size as f32)).collect()
-        };
+        let directional = |aims: &[Aim]| -> Vec<Light> { aims.iter().map(Aim::light).collect() };
         if !self.lights.is_empty() {
             return directional(&self.lights);
         }
@@ -211,6 +217,11 @@ impl View {
 }
 
 impl Device {
+    /// Whether the validation layers are on.
+    pub fn validates(&self) -> bool {
+        self.validate
+    }
+
     /// Opens the device.
     pub fn open(&self) -> Result<Arc<Gpu>, Failure> {
         Ok(Gpu::open(&Options { validate: self.validate, device: self.device.clone() })?)
@@ -249,7 +260,7 @@ fn parse_camera(text: &str) -> Result<Aim, String> {
     }
 }
 
-fn parse_light(text: &str) -> Result<Aim, String> {
+pub fn parse_light(text: &str) -> Result<Aim, String> {
     match numbers(text).as_deref() {
         Some([yaw, pitch]) => Ok(Aim { yaw: *yaw, pitch: *pitch, size: 1. }),
         Some([yaw, pitch, size]) if *size >= 0. => Ok(Aim { yaw: *yaw, pitch: *pitch, size: *size }),
@@ -273,7 +284,7 @@ fn parse_fov(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "the vertical field of view lies between 0 and 180 degrees".to_owned())
 }
 
-fn parse_positive(text: &str) -> Result<f64, String> {
+pub fn parse_positive(text: &str) -> Result<f64, String> {
     let right = |x: &f64| *x > 0. && x.is_finite();
     text.parse().ok().filter(right).ok_or_else(|| "that is not a number above 0; 1000 would be".to_owned())
 }
