@@ -1,7 +1,7 @@
-// gather: viewz, normal, shadow, and with DETAIL the blurred light by shading normals and by the triangles' -> target (gathered, of one level).
+// gather: viewz, normal, mass, shadow, and light blurred on the screen (with DETAIL by the triangles' normals, too) -> target (gathered, of one level).
 // variants: plain DETAIL=0; detail DETAIL=1
 // What a Gaussian of the profile gathers of the light that enters the
-// surface, hidden parts included, of up to two directional lights (those with a slot); to be divided by the kernel's mass.
+// surface, hidden parts included, of up to two directional lights (those with a slot), over the kernel's mass.
 //
 // In a directional light's view every texel carries the same flux, n.l dA = the texel's area. So the integral of G_v E dA is
 // a mean over the light's plane, and E cancels against none of it:
@@ -18,6 +18,7 @@
 
 layout(constant_id = 0) const int STRIDE = 1;
 layout(constant_id = 1) const int TAPS = 32;
+layout(constant_id = 2) const int GATHERED = 0;           // which of the gathered levels this is
 
 layout(push_constant, scalar) uniform Push {
     float variance;        // mm^2
@@ -26,8 +27,9 @@ layout(push_constant, scalar) uniform Push {
 layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
 layout(set = 0, binding = 6, r32ui) uniform readonly uimage2D normal;  // the triangle's own where DETAIL
 layout(set = 0, binding = 3, r32ui) uniform writeonly uimage2D target;
-#if DETAIL
 layout(set = 0, binding = 4, r32ui) uniform readonly uimage2D blurred;
+layout(set = 0, binding = 7, rgb10_a2) uniform readonly image2D mass;
+#if DETAIL
 layout(set = 0, binding = 5, r32ui) uniform readonly uimage2D blurred_geo;
 #endif
 layout(set = 0, binding = 29) uniform sampler2DArray shadow;
@@ -75,15 +77,20 @@ void main() {
     if (z <= 0.) return;
     vec3 position = view_position(pixel, z);
     vec3 n = octahedral_decode(imageLoad(normal, pixel).x);
-    vec2 found = vec2(0.);
+    float scale = 2. * imageLoad(mass, pixel)[GATHERED];
+    vec2 found = vec2(0.), shares = vec2(0.);
     for (int i = 0; i < LIGHTS; ++i) {
         Light light = lights.light[i];
         if (light.slot < 0) continue;
-        float x = gathered(light.layer, position, n, dot(n, light.position));
-        if (light.slot == 0) found.x = x; else found.y = x;
+        float c = dot(n, light.position);
+        float x = gathered(light.layer, position, n, c) * scale;
+        // At a terminator the light's view sees the surface edge on and few offsets find it; there the camera sees it better.
+        float share = smoothstep(.08, .3, abs(c));
+        if (light.slot == 0) { found.x = x; shares.x = share; } else { found.y = x; shares.y = share; }
     }
+    vec2 seen = unpackUnorm2x16(imageLoad(blurred, texel).x);
 #if DETAIL
-    found += unpackUnorm2x16(imageLoad(blurred, texel).x) - unpackUnorm2x16(imageLoad(blurred_geo, texel).x);
+    found += seen - unpackUnorm2x16(imageLoad(blurred_geo, texel).x);
 #endif
-    imageStore(target, texel, uvec4(packUnorm2x16(found)));
+    imageStore(target, texel, uvec4(packUnorm2x16(mix(seen, found, shares))));
 }

@@ -5,7 +5,7 @@
 // albedo   RGBA8     rgb square root of linear base colour (more steps in the dark), a scatter mask
 // material RGBA8     r roughness, g metallic, b occlusion, a square root of F0
 // bumped   R32_UINT  normal with the normal map, only where the scene has one
-// mass     RGB10_A2  half the reciprocal of the kernel's mass, only where light is gathered
+// mass     RGB10_A2  half the reciprocal of the mass of each gathered level, only where light is gathered
 // facet    R32_UINT  normal of the triangle itself, only where shading normals stray from it and light is gathered
 // variants: plain MASS=0 FACET=0; mass MASS=4 FACET=0; mass_facet MASS=4 FACET=5; bumped_mass_facet MASS=5 FACET=6
 #version 460
@@ -33,7 +33,7 @@ layout(location = 4) out uint bumped;
 #if MASS
 layout(constant_id = 0) const int FIRST = 0;              // first level that is gathered
 layout(constant_id = 1) const int LEVELS = 0;
-layout(location = 4) in vec4 kernel_mass;               // without what a border takes; w: distance to the border, mm
+layout(location = 4) in vec4 kernel_mass;               // of each gathered level, without what a border takes; w: distance to the border, mm
 layout(location = MASS) out vec4 mass;
 #if FACET
 layout(location = FACET) out uint facet;
@@ -56,10 +56,10 @@ void main() {
 #endif
 #if MASS
     // A Gaussian cut by a straight border (src/skin/mass.rs, beside_border).
-    vec3 beside = vec3(1.);
+    vec3 whole = kernel_mass.rgb;
     for (int k = FIRST; k < LEVELS; ++k) {
         float x = kernel_mass.w * inversesqrt(frame.level[k].w);
-        beside += frame.level[k].rgb * (1. / (1. + exp2(-x * (2.30485 + .101797 * x * x))) - 1.);
+        whole[k - FIRST] /= 1. + exp2(-x * (2.30485 + .101797 * x * x));
     }
 #if FACET
     vec3 p = view_position(ivec2(gl_FragCoord.xy), view_distance);
@@ -68,6 +68,6 @@ void main() {
     f = ff > 0. ? f * inversesqrt(ff) : n;
     facet = octahedral_encode(dot(f, view_direction(p)) < 0. ? -f : f);
 #endif
-    mass = vec4(.5 / max(kernel_mass.rgb * beside, .5), 0.);
+    mass = vec4(.5 / max(whole, .5), 0.);
 #endif
 }

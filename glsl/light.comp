@@ -42,7 +42,8 @@ layout(constant_id = 10) const int STRIDE3 = 1;
 layout(constant_id = 11) const int STRIDE4 = 1;
 layout(constant_id = 12) const int STRIDE5 = 1;
 layout(constant_id = 14) const int CURVE = 0;              // 0 Khronos PBR Neutral, 1 sRGB alone, 2 linear
-layout(constant_id = 15) const bool MASS = false;        // light with a slot is gathered, to be divided by the kernel's mass
+layout(constant_id = 15) const bool MASS = false;        // light with a slot is gathered from level FIRST on
+layout(constant_id = 16) const int FIRST = 0;
 layout(constant_id = 13) const bool STRIDED = false;     // some level is coarser than the picture
 
 layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
@@ -222,6 +223,9 @@ void main() {
     vec3 f0 = mix(vec3(f), color, m.g);
     vec3 kept = SPECULAR ? (1. - m.g) * (1. - specular_albedo(clamp(dot(n, v), 0., 1.), m.r, f0)) : vec3(1.);
 
+#if METHOD == 2
+    vec3 masses = MASS ? .5 / max(imageLoad(mass, pixel).rgb, .01) : vec3(1.);
+#endif
     vec3 exitance = vec3(0.), reflected = vec3(0.), arriving = vec3(0.);
     for (int i = 0; i < LIGHTS; ++i) {
         Light light = lights.light[i];
@@ -264,11 +268,16 @@ void main() {
 #elif METHOD == 2
         if (scatters) {
             lit_here *= frame.sharp.rgb;
+            vec3 weights = frame.sharp.rgb;
             for (int k = 0; k < LEVELS; ++k) {
                 float m = slotted ? (light.slot == 0 ? level[k].lit.x : level[k].lit.y) : moment(level[k].n, l) * shade;
-                lit_here += frame.level[k].rgb * m;
+                vec3 weight = frame.level[k].rgb;
+                if (MASS && slotted && k >= FIRST) weight *= masses[k - FIRST];
+                weights += weight;
+                lit_here += weight * m;
             }
-            if (MASS && slotted) lit_here *= 2. * imageLoad(mass, pixel).rgb;
+            // A level weighs as much as the surface that it finds.
+            if (MASS && slotted) lit_here /= weights;
         }
 #endif
         exitance += lit_here * irradiance;

@@ -7,6 +7,9 @@ use crate::skin::profile::{Gaussian, Profile};
 /// A Gaussian whose sigma covers fewer pixels than this is not told from a point: its rms radius projects below one pixel.
 pub const LEAST_SIGMA_PX: f64 = 0.7;
 
+/// Most levels that are gathered: what the mass target has channels for.
+pub const MOST_GATHERED: usize = 3;
+
 /// A Gaussian whose sigma covers fewer texels of a shadow map is not gathered from it.
 const LEAST_SIGMA_TEXELS: f64 = 3.;
 
@@ -141,7 +144,7 @@ impl Levels {
             Quality::Ultra => (f64::INFINITY, 1),
         };
         let mut stride = 1;
-        for level in &mut self.levels {
+        for level in self.levels.iter_mut().rev().take(MOST_GATHERED) {
             let sigma_px = level.variance.sqrt() * pixels.middle;
             let enough = |s: &u32| *s <= coarsest && sigma_px >= f64::from(*s) * texels_per_sigma;
             let wanted = [4, 2].into_iter().find(enough).unwrap_or(1);
@@ -149,6 +152,11 @@ impl Levels {
             stride = stride.max(fixed.unwrap_or(wanted));
             level.stride = stride;
         }
+    }
+
+    /// Levels before the first that is gathered.
+    pub fn first_gathered(&self) -> u32 {
+        self.levels.iter().take_while(|l| !l.gathered).count() as u32
     }
 
     /// The widest levels are gathered where a sigma covers enough texels of the shadow maps, each `texel_mm` wide.

@@ -28,9 +28,9 @@ pub fn strays(scene: &Scene) -> bool {
     square > f64::from(STRAY * STRAY) * area
 }
 
-/// At each vertex: mass of the whole profile per channel, of which only the gathered levels' differs from 1, with what a
-/// border takes off divided out; and the distance to the nearest border, mm. A border's own profile is put back for each pixel
-/// (`glsl/gbuffer.frag`). Only what scatters has mass.
+/// At each vertex: mass of the gathered levels, at most [`super::levels::MOST_GATHERED`], with what a border takes off divided
+/// out; and the distance to the nearest border, mm. A border's own profile is put back for each pixel (`glsl/gbuffer.frag`).
+/// Only what scatters has mass.
 pub fn of_vertices(scene: &Scene, levels: &Levels) -> Vec<[f32; 4]> {
     let points: Vec<Vec3> = scene.positions.iter().map(|p| Vec3::from(*p)).collect();
     let scatters = |d: &&Draw| scene.materials.get(d.material).is_some_and(|m| m.scatter.is_some());
@@ -45,20 +45,11 @@ pub fn of_vertices(scene: &Scene, levels: &Levels) -> Vec<[f32; 4]> {
     let edge = triangles.iter().map(|[a, b, c]| a.distance(*b).max(b.distance(*c)).max(c.distance(*a)));
     let reach = BORDER_SIGMAS * widest + edge.fold(0., f32::max);
     let borders = border_distance(&points, &triangles, reach);
-    let mut sums: Vec<([f32; 3], [f32; 3])> = vec![([1.; 3], [1.; 3]); points.len()];
-    for level in levels.levels.iter().filter(|l| l.gathered) {
-        let masses = mass(&points, &triangles, level.variance);
-        for (((found, beside), m), d) in sums.iter_mut().zip(masses).zip(&borders) {
-            let share = beside_border(*d, level.variance.sqrt() as f32);
-            for c in 0..3 {
-                found[c] += level.weight[c] as f32 * (m - 1.);
-                beside[c] += level.weight[c] as f32 * (share - 1.);
-            }
+    let mut all: Vec<[f32; 4]> = borders.iter().map(|d| [1., 1., 1., *d]).collect();
+    for (i, level) in levels.levels.iter().filter(|l| l.gathered).enumerate() {
+        for (vertex, m) in all.iter_mut().zip(mass(&points, &triangles, level.variance)) {
+            vertex[i] = m / beside_border(vertex[3], level.variance.sqrt() as f32);
         }
     }
-    let whole = |(found, beside): &([f32; 3], [f32; 3]), d: &f32| {
-        let [r, g, b] = std::array::from_fn(|c| found[c].max(0.) / beside[c]);
-        [r, g, b, *d]
-    };
-    sums.iter().zip(&borders).map(|(s, d)| whole(s, d)).collect()
+    all
 }

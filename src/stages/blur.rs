@@ -13,16 +13,12 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         let why = format!("sigma {:.3} mm projects below a pixel here", variance.sqrt());
         plan.leave_out("blur level", why, 8 * s.pixels());
     }
-    // Light is blurred as far as the last level that is not gathered.
-    let blurred = s.levels.levels.iter().filter(|l| !l.gathered).count();
-    let last = s.levels.steps.iter().position(|x| x.level.is_some_and(|l| l + 1 == blurred));
-    let needed = |index: usize| s.detail || last.is_some_and(|l| index <= l);
     let mut source = String::new();
     for (index, step) in s.levels.steps.iter().enumerate() {
         // A pass on the way to a level writes a target that only the next pass reads.
         let stem = step.level.map_or(format!("way{index}"), |l| l.to_string());
         let [target, visibility, geometry] = ["soft", "softlit", "softgeo"].map(|name| format!("{name}{stem}"));
-        let seen = s.shadows.slots > 0 && needed(index);
+        let seen = s.shadows.slots > 0;
         let size = s.size.map(|x| x.div_ceil(step.stride.1));
         plan.image_as(&target, ash::vk::Format::R32G32_UINT, size, 1);
         if seen {

@@ -15,6 +15,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
             .compute(&format!("gather{i}"), shader, Domain::Tiles(tiles::scatter(level.stride)))
             .constant("STRIDE", level.stride)
             .constant("TAPS", s.taps)
+            .constant("GATHERED", i as u32 - s.levels.first_gathered())
             .bind("target", target)
             .bind("normal", if s.detail { "facet" } else { "normal" })
             .bind("blurred", format!("softlit{i}"))

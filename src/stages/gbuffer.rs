@@ -52,8 +52,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     let depth = ("depth".to_owned(), None, 0.);
     let pass = plan.raster("gbuffer", vertex(s, extra), Some(fragment), state, colors, depth, Geometry::Materials);
     if s.mass {
-        let first = s.levels.levels.iter().take_while(|l| !l.gathered).count();
-        pass.constant("FIRST", first as u32).constant("LEVELS", s.levels.levels.len() as u32);
+        pass.constant("FIRST", s.levels.first_gathered()).constant("LEVELS", s.levels.levels.len() as u32);
     }
 }
 

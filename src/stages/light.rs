@@ -39,7 +39,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         .bind("normal", s.shading_normal())
         .bind("picture", s.picture());
     if method == Method::Moments {
-        pass.constant("MASS", u32::from(s.mass));
+        pass.constant("MASS", u32::from(s.mass)).constant("FIRST", s.levels.first_gathered());
         if !s.mass {
             pass.absent("mass");
         }
