@@ -5,6 +5,7 @@ mod devices;
 mod diff;
 mod explain;
 mod failure;
+mod figure1;
 mod profile;
 mod render;
 mod truth;
@@ -34,6 +35,8 @@ enum Command {
     Explain(explain::Explain),
     /// Integrate the converged answer that methods are held against; needs no device.
     Truth(truth::Truth),
+    /// Make the poster's first figure: our picture at every quality, curvature by every estimator.
+    Figure1(figure1::Figure1),
     /// Say how wrong one picture is against another.
     Diff(diff::Diff),
     /// List the Vulkan devices.
@@ -47,6 +50,7 @@ pub fn main() -> ExitCode {
         Command::Profile(c) => c.run(),
         Command::Explain(c) => c.run(),
         Command::Truth(c) => c.run(),
+        Command::Figure1(c) => c.run(),
         Command::Diff(c) => c.run(),
         Command::Devices(c) => c.run(),
     };

@@ -68,7 +68,9 @@ impl Levels {
         let mut out = Levels { length_mm, ..Levels::default() };
         match settings.method {
             // Nothing scatters, or light itself is blurred (`methods::kernel`).
-            Method::Lambert | Method::Gaussians | Method::Separable | Method::Preintegrated => out.sharp = [1.; 3],
+            Method::Lambert | Method::Gaussians | Method::Separable | Method::Preintegrated | Method::TextureSpace => {
+                out.sharp = [1.; 3]
+            }
             Method::Moments => out.per_gaussian(fit, most_levels(settings), pixels),
             Method::Pdss => out.per_channel(profile, widest, most_levels(settings), pixels),
         }

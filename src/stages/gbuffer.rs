@@ -10,6 +10,9 @@ use ash::vk;
 /// Adds the pass.
 pub fn add(plan: &mut Plan, s: &Setup) {
     let mut colors = vec!["viewz", "normal", "albedo", "material"];
+    if s.atlas.is_some() {
+        colors.push("chart");
+    }
     if s.normal_maps {
         colors.push("bumped");
     } else {
@@ -24,8 +27,9 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     let state = state(s, &colors);
     // A viewz of 0 says that nothing else of the pixel means anything, so nothing else is cleared.
     let colors = colors.into_iter().map(|n| (n.to_owned(), (n == "viewz").then_some([0; 4]))).collect();
-    let depth = ("depth".to_owned(), None, 0.);
-    plan.raster("gbuffer", vertex(s, false), Some(&shaders::GBUFFER_FRAG), state, colors, depth, Geometry::Materials);
+    let depth = Some(("depth".to_owned(), None, 0.));
+    let fragment = if s.atlas.is_some() { &shaders::GBUFFER_FRAG_CHART } else { &shaders::GBUFFER_FRAG_PLAIN };
+    plan.raster("gbuffer", vertex(s, false), Some(fragment), state, colors, depth, Geometry::Materials);
 }
 
 /// State of a pass that draws the scene's meshes as the eye sees them, with the streams that their materials need.

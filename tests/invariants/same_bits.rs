@@ -9,7 +9,8 @@ use pdss::scene::{Light, LightKind};
 use pdss::settings::{Ambient, Method, Quality, Resolution, View};
 use std::sync::Arc;
 
-const SCATTERING: [Method; 4] = [Method::Pdss, Method::Moments, Method::Gaussians, Method::Preintegrated];
+const SCATTERING: [Method; 5] =
+    [Method::Pdss, Method::Moments, Method::Gaussians, Method::Preintegrated, Method::TextureSpace];
 
 fn torus(method: Method, view: View) -> Set {
     let mut set = Set::new("shape:torus:70,25", 420., settings(method, view, [120, 90]));

@@ -1,0 +1,26 @@
+//! gather: viewz, chart, irradiance, sheets -> scattered. What texture space has diffused, back on the screen.
+
+use super::tiles;
+use crate::frame::setup::Setup;
+use crate::plan::{Domain, Plan};
+use crate::settings::View;
+use crate::shaders;
+
+/// Names that the shader has for sheets; a profile is at most six Gaussians.
+pub const SHEETS: [&str; 6] = ["sheet1", "sheet2", "sheet3", "sheet4", "sheet5", "sheet6"];
+
+/// Adds the pass, where the picture shows scattered light.
+pub fn add(plan: &mut Plan, s: &Setup) {
+    if !s.lit_view() || s.settings.view == View::Irradiance {
+        return;
+    }
+    plan.image("scattered", s.size);
+    let levels = s.kernel.len() - 1;
+    let pass = plan
+        .compute("gather", &shaders::GATHER, Domain::Tiles(tiles::scatter(1)))
+        .constant("LEVELS", levels as u32)
+        .constant("SHEET_BORDER", s.border.to_bits());
+    for name in SHEETS.into_iter().skip(levels) {
+        pass.absent(name);
+    }
+}
