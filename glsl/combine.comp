@@ -37,7 +37,7 @@ void main() {
         return;
     }
     bool scatters = z < 0. && OUTPUT != OUTPUT_IRRADIANCE;
-    vec3 light = scatters ? imageLoad(scattered, pixel).rgb : imageLoad(irradiance, pixel).rgb;
+    vec3 light = frame.light_unit * (scatters ? imageLoad(scattered, pixel).rgb : imageLoad(irradiance, pixel).rgb);
     if (OUTPUT == OUTPUT_FINAL) {
         vec4 base = imageLoad(albedo, pixel);
         vec4 m = imageLoad(material, pixel);
@@ -45,7 +45,7 @@ void main() {
         vec3 n = octahedral_decode(imageLoad(normal, pixel).x);
         vec3 v = view_direction(view_position(pixel, abs(z)));
         vec3 kept = (1. - m.g) * (1. - specular_albedo(clamp(dot(n, v), 0., 1.), m.r, f0));
-        light = kept * (PRE && scatters ? base.rgb : color) * light / PI + imageLoad(reflected, pixel).rgb;
+        light = kept * (PRE && scatters ? base.rgb : color) * light / PI + frame.light_unit * imageLoad(reflected, pixel).rgb;
         light *= frame.exposure;
     }
     if (CURVE < 2) light = srgb(clamp(CURVE == 0 ? neutral(light) : light, 0., 1.));

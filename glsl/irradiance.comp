@@ -4,6 +4,7 @@
 // irradiance = sum over lights of E max(0, n.l) visibility, plus the sky's (pi times its radiance), times the square root of
 //              the surface's colour with PRE (half of it acts before scattering, half after: d'Eon & Luebke 2007)
 // reflected  = specular radiance of lights and sky
+// Both in units of `light_unit`, which keeps the strongest lights within a half's range.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "common/frame.glsl"
@@ -52,6 +53,6 @@ void main() {
         diffuse += PI * sky;
         specular += specular_albedo(clamp(dot(n, v), 0., 1.), m.r, f0) * sky;
     }
-    imageStore(irradiance, pixel, light_encode(PRE && z < 0. ? diffuse * base.rgb : diffuse));
-    if (FINAL) imageStore(reflected, pixel, light_encode(specular));
+    imageStore(irradiance, pixel, light_encode((PRE && z < 0. ? diffuse * base.rgb : diffuse) / frame.light_unit));
+    if (FINAL) imageStore(reflected, pixel, light_encode(specular / frame.light_unit));
 }

@@ -74,5 +74,5 @@ void main() {
         sum += arriving * through * min(behind, 1.);
     }
     if (PRE) sum *= imageLoad(albedo, pixel).rgb;
-    imageStore(irradiance, pixel, light_encode(imageLoad(irradiance, pixel).rgb + sum));
+    imageStore(irradiance, pixel, light_encode(imageLoad(irradiance, pixel).rgb + sum / frame.light_unit));
 }

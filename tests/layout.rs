@@ -29,7 +29,7 @@ fn frame() -> Layout {
         perspective,
         pixels_per_mm,
         origin,
-        pad,
+        light_unit,
         ambient_mean,
         exposure,
         ambient_slope,

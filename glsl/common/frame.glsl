@@ -14,7 +14,7 @@ layout(set = 0, binding = 0, scalar) uniform FrameBlock {
     float perspective;         // 1 perspective, 0 orthographic
     float pixels_per_mm;       // at unit distance: |1 / ray_scale.y|
     vec3 origin;               // mm, world position that stored positions are relative to
-    float pad;
+    float light_unit;          // what light is divided by where it is stored as halves: a power of two, 1 but for very strong lights
     vec3 ambient_mean;         // half the sum of the radiance from above and from below: a two-colour sky
     float exposure;            // factor
     vec3 ambient_slope;        // half their difference; ambient(n) = mean + slope * n.up

@@ -1,13 +1,14 @@
 // The two lighting forms. Twins in f64: src/skin/lut.rs, src/skin/moments.rs.
 
 // D(mu, curvature) of one channel. The table is R16F, a channel above the other: three fetches of one channel cost a third of
-// three fetches of four. u: two straight pieces in mu that break at texels; v: curvature / (curvature + knee).
+// three fetches of four. u: two straight pieces in mu that break at texels; v: x / (x + 1), x the root
+// of curvature / knee.
 float lut_look_up(sampler2D lut, float mu, float curvature, float channel) {
     vec2 size = vec2(textureSize(lut, 0)) * vec2(1., 1. / 3.);
     float a = min(abs(mu), 1.);
     float t = sign(mu) * min(4. * a, (4. * a + 3.) / 7.);
-    float k = min(abs(curvature), 1e30);
-    vec2 at = (vec2(.5 + .5 * t, k / (k + frame.lut_knee)) * (size - 1.) + .5) / size;
+    float root = sqrt(min(abs(curvature), 1e30));
+    vec2 at = (vec2(.5 + .5 * t, root / (root + sqrt(frame.lut_knee))) * (size - 1.) + .5) / size;
     return textureLod(lut, vec2(at.x, (at.y + channel) * (1. / 3.)), 0.).r;
 }
 

@@ -1,13 +1,17 @@
 //! The command line: thin, one file per subcommand. Machine output goes to stdout alone, words for people to stderr.
 
 mod args;
+mod calibrate;
+mod compare;
 mod devices;
 mod diff;
 mod explain;
 mod failure;
 mod figure1;
 mod profile;
+mod progress;
 mod render;
+mod stress;
 mod truth;
 
 use clap::{Parser, Subcommand};
@@ -37,8 +41,14 @@ enum Command {
     Truth(truth::Truth),
     /// Make the poster's first figure: our picture at every quality, curvature by every estimator.
     Figure1(figure1::Figure1),
+    /// Hold all methods against truth and against the clock: error against run time.
+    Compare(compare::Compare),
+    /// Measure this device, so that render can choose a method for --budget-ms or --max-error.
+    Calibrate(calibrate::Calibrate),
     /// Say how wrong one picture is against another.
     Diff(diff::Diff),
+    /// Try every stiff and extreme case and say what holds.
+    Stress(stress::Stress),
     /// List the Vulkan devices.
     Devices(devices::Devices),
 }
@@ -51,7 +61,10 @@ pub fn main() -> ExitCode {
         Command::Explain(c) => c.run(),
         Command::Truth(c) => c.run(),
         Command::Figure1(c) => c.run(),
+        Command::Compare(c) => c.run(),
+        Command::Calibrate(c) => c.run(),
         Command::Diff(c) => c.run(),
+        Command::Stress(c) => c.run(),
         Command::Devices(c) => c.run(),
     };
     match done {

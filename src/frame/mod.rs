@@ -1,5 +1,6 @@
 //! A frame: planned, created and recorded once, submitted as often as one likes.
 
+pub mod brightness;
 pub mod levels;
 pub mod resources;
 pub mod setup;

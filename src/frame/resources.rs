@@ -1,5 +1,6 @@
 //! What a frame reads and never writes: vertex streams, textures, tables, constants.
 
+use super::brightness::light_unit;
 use super::setup::Setup;
 use super::uniforms::{FrameBlock, LightBlock, MAX_LEVELS};
 use super::{FrameError, Inputs};
@@ -226,6 +227,7 @@ fn frame_block(inputs: &Inputs<'_>, s: &Setup, lut_knee: f32) -> FrameBlock {
     block.perspective = s.view.perspective;
     block.pixels_per_mm = s.view.pixels_per_mm as f32;
     block.origin = inputs.scene.origin.as_vec3().to_array();
+    block.light_unit = light_unit(&inputs.lights, &settings.ambient, &inputs.scene.positions, &inputs.scene.bounds);
     block.ambient_mean = std::array::from_fn(|c| (up[c] + down[c]) / 2.);
     block.ambient_slope = std::array::from_fn(|c| (up[c] - down[c]) / 2.);
     block.exposure = settings.exposure.exp2();

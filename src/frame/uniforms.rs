@@ -24,7 +24,7 @@ pub struct FrameBlock {
     pub perspective: f32,
     pub pixels_per_mm: f32,
     pub origin: [f32; 3],
-    pub pad: f32,
+    pub light_unit: f32,
     pub ambient_mean: [f32; 3],
     pub exposure: f32,
     pub ambient_slope: [f32; 3],

@@ -24,6 +24,7 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 
 pub use atlas::{Atlas, Filled, Seam, gutter};
+pub(crate) use camera::framing_distance;
 pub use camera::{Camera, Projection};
 pub use error::SceneError;
 pub use light::{Light, LightKind, direction_from};

@@ -3,7 +3,8 @@
 //! u runs over mu in two straight pieces, four times as many texels a unit within |mu| < 1/8, where a sharp profile has
 //! its terminator, as there would be in one. Unlike a root or a smoothstep, straight pieces that break at texels
 //! reproduce max(0, mu), which is the row of curvature 0, exactly, and every mu of a texel is a binary16 number.
-//! v runs over |curvature| / (|curvature| + knee), so that 0 and infinity are rows of the table, too.
+//! v runs over x / (x + 1), x the root of |curvature| / knee, so that 0 and infinity are rows of the table, too, and the
+//! decades between are evenly served: without the root, the last row stood for all radii below a fifth of a Gaussian's.
 //!
 //! The GLSL twin is `lut_look_up` in `glsl/common/scattering.glsl`.
 
@@ -16,8 +17,8 @@ use rayon::prelude::*;
 /// Width and height of a table, in texels. The width is odd, so that a texel's centre lies at mu = 0.
 pub const SIZE: [u32; 2] = [129, 64];
 /// The curvature of the middle of the v axis, times the mean radius of the widest channel.
-pub const KNEE: f64 = 0.6;
-/// A curvature that counts as infinite, 1/mm: its quotient is 1 in f32 and f64 alike.
+pub const KNEE: f64 = 2.5;
+/// A curvature that counts as infinite, 1/mm: at the last row but for a ten-billionth.
 pub const MOST_CURVATURE: f64 = 1e30;
 
 /// What is integrated.
@@ -53,7 +54,7 @@ impl Lut {
         let [width, height] = SIZE;
         let rows = (0..height).into_par_iter().flat_map_iter(|y| {
             let v = f64::from(y) / f64::from(height - 1);
-            row(&exact.at_curvature(knee_per_mm * v / (1.0 - v)), width)
+            row(&exact.at_curvature(knee_per_mm * (v / (1.0 - v)).powi(2)), width)
         });
         Lut { size: SIZE, texels: rows.collect(), knee_per_mm }
     }
@@ -68,15 +69,15 @@ impl Lut {
     pub fn coordinate(&self, mu: f64, curvature: f64) -> [f64; 2] {
         let a = mu.abs().min(1.0);
         let t = (4.0 * a).min((4.0 * a + 3.0) / 7.0).copysign(mu);
-        let k = curvature.abs().min(MOST_CURVATURE);
-        let place = [0.5 + 0.5 * t, k / (k + self.knee_per_mm)];
+        let root = curvature.abs().min(MOST_CURVATURE).sqrt();
+        let place = [0.5 + 0.5 * t, root / (root + self.knee_per_mm.sqrt())];
         let size = self.size.map(f64::from);
         std::array::from_fn(|i| (place[i] * (size[i] - 1.0) + 0.5) / size[i])
     }
 
     /// What a bilinear sampler returns there: the CPU's twin of the GLSL, with exact fractions.
     ///
-    /// Within 1e-3 of the exact integral at every radius from 0.5 mm up for the built-in profiles; at curvature 0
+    /// Within 1e-3 of the exact integral at every radius for the built-in profiles; at curvature 0
     /// max(0, mu) but for the rounding of the fractions. A GPU that keeps 8 bits of the fraction adds up to 1e-4.
     pub fn sample(&self, mu: f64, curvature: f64) -> [f32; 3] {
         let [u, v] = self.coordinate(mu, curvature);

@@ -22,7 +22,7 @@ pub mod moments;
 pub mod occlusion;
 pub mod penumbra;
 pub mod profile;
-mod quadrature;
+pub(crate) mod quadrature;
 pub mod ring;
 pub mod separable;
 pub mod sphere;

@@ -65,7 +65,10 @@ fn a_cut_leads_to_the_surface_beyond_it() {
             swapped = swapped.max(apart(round(here), shows.as_vec2().yx()));
         }
     }
-    println!("{} texels, {beyond} beyond the square, at most {worst:.1e} off; with u and v exchanged {swapped:.2}", filled.len());
+    println!(
+        "{} texels, {beyond} beyond the square, at most {worst:.1e} off; with u and v exchanged {swapped:.2}",
+        filled.len()
+    );
     assert!(beyond > 1000 && worst < 2e-3, "{worst}");
     assert!(swapped > 0.1, "the twin is caught");
 }
