@@ -52,26 +52,24 @@ impl Figure1 {
         let (curvatures, range, window) = curvatures(&gpu, &mut stage)?;
         let size = stage.size();
         let method = stage.settings.method.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned());
-        let first =
-            format!("{method}, {} x {}, whole frame on {name}, median of {} frames", size[0], size[1], self.frames);
-        let second = format!(
-            "mean curvature: blue {:.3} to red {range:.3} 1/mm, the same for all; below: the frame enlarged",
-            -range
-        );
+        let first = format!("{method}, {} x {}: whole frames, median of {}, on {name}", size[0], size[1], self.frames);
+        let second = format!("mean curvature, blue {:.3} to red {range:.3} 1/mm; below: the frame enlarged", -range);
 
+        // Letters of 16 pixels, or of 8 where the line would not fit.
+        let scale = |line: &str| if line.len() as u32 * 16 <= WIDTH { 2 } else { 1 };
         let wide = |n: u32| (WIDTH - GAP * (n - 1)) / n;
         let high = |w: u32| (u64::from(w) * u64::from(size[1]) / u64::from(size[0])).max(1) as u32;
         let (four, five) = (wide(pictures.len() as u32), wide(curvatures.len() as u32));
         let tops = [LINE, LINE + high(four), 3 * LINE + high(four)];
         let zoomed = tops[2] + LINE + high(five) + GAP;
         let mut canvas = Canvas::new([WIDTH, zoomed + high(five)], [255; 3]);
-        canvas.text([0, 4], 2, INK, &first);
+        canvas.text([0, 4], scale(&first), INK, &first);
         for (i, panel) in pictures.iter().enumerate() {
             let x = i as u32 * (four + GAP);
             canvas.picture([x, tops[0]], [four, high(four)], &panel.texels, size, [0, 0, size[0], size[1]]);
             canvas.text([x, tops[1] + 4], 2, INK, &panel.words);
         }
-        canvas.text([0, tops[1] + LINE + 4], 2, INK, &second);
+        canvas.text([0, tops[1] + LINE + 4], scale(&second), INK, &second);
         for (i, panel) in curvatures.iter().enumerate() {
             let x = i as u32 * (five + GAP);
             canvas.text([x, tops[2] + 4], 2, INK, &panel.words);
@@ -125,7 +123,7 @@ fn curvatures(gpu: &Arc<Gpu>, stage: &mut Stage) -> Result<(Vec<Panel>, f64, [u3
     let fit = fields.last().map_or(&[][..], Vec::as_slice);
     let mut sizes: Vec<f64> = fit.iter().filter(|p| p[3] > 0.).map(|p| f64::from(p[0].abs())).collect();
     sizes.sort_by(f64::total_cmp);
-    let range = stats::quantile(&sizes, 0.95).filter(|r| *r > 0.).unwrap_or(1.);
+    let range = stats::quantile(&sizes, 0.98).filter(|r| *r > 0.).unwrap_or(1.);
     let window = window(fit, size, range as f32);
     let panel = |(estimator, field): (Curvature, &Vec<[f32; 4]>)| {
         // How far the estimator is from the fit, where it matters most: the hundredth that is worst.

@@ -19,8 +19,8 @@ pub fn frame(p: &mut Plan, s: &Setup) {
     combine::add(p, s); //    G-buffer scattered reflected    -> ldr or exr
 }
 
-/// Side of a sheet in texels, and most Gaussians: the chapter has 2048 and six, and names 1024 and four for more modest
-/// devices (GPU Gems 3, chapter 14).
+/// Side of a sheet in texels, and most Gaussians. High is the chapter's: 2048 and six (GPU Gems 3, chapter 14); below it halves
+/// the side and merges Gaussians, above it doubles the side.
 pub fn effort(quality: Quality) -> (u32, usize) {
     match quality {
         Quality::Low => (512, 3),
