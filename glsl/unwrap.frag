@@ -1,6 +1,6 @@
 // unwrap: meshes, shadow -> sheet0, stretch. Irradiance over texture coordinates (d'Eon, Luebke & Enderton 2007).
 //
-// sheet0   RGBA16F   sum over lights of E max(0, n.l) visibility, plus the sky's, times the square root of the surface's colour
+// sheet0   RGBA16F   in units of light_unit: sum over lights of E max(0, n.l) visibility, plus the sky's, times the square root of the surface's colour
 //                    with PRE; a: number of the chart
 // stretch  R32_UINT  2 halves: texels a mm of the surface along u and along v
 #version 460
@@ -42,6 +42,6 @@ void main() {
     }
     if (AMBIENT) sum += PI * (frame.ambient_mean + frame.ambient_slope * dot(n, frame.up)) * occlusion;
     if (PRE) sum *= sqrt(clamp(base.rgb, 0., 1.));
-    sheet = vec4(min(sum, vec3(65504.)), round(chart));
+    sheet = vec4(min(sum / frame.light_unit, vec3(65504.)), round(chart));
     stretch = packHalf2x16(min(1. / max(mm, vec2(1e-9)), vec2(65504.)));
 }
