@@ -73,8 +73,10 @@ impl Truth {
         let progress = Progress::new();
         let state = self.output.with_extension("exr.state");
         let checkpoint = Checkpoint { file: state.clone(), every: Duration::from_secs_f64(self.save_every) };
-        let answer = truth::resume(&inputs, self.crop, &effort, Some(&checkpoint), |part| progress.show(&format!("truth: {} %", part / 10)))
-            .map_err(|e| Failure::Input(e.to_string()))?;
+        let answer = truth::resume(&inputs, self.crop, &effort, Some(&checkpoint), |part| {
+            progress.show(&format!("truth: {} %", part / 10))
+        })
+        .map_err(|e| Failure::Input(e.to_string()))?;
         drop(progress);
         for warning in &answer.warnings {
             say(&format!("warning: {warning}"));
@@ -110,7 +112,7 @@ impl Truth {
         picture::write_text(&self.output.with_extension("json"), &(text + "\n"))?;
         picture::write_exr(&self.output, size, &answer.pixels)?;
         match std::fs::remove_file(&state) {
-            Err(e) if e.kind() != io::ErrorKind::NotFound => {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
                 say(&format!("warning: {}: {e}; the result is whole, this file may go", state.display()));
             }
             _ => {}
