@@ -9,6 +9,7 @@ mod profile;
 mod render;
 mod stress;
 mod truth;
+mod vectors;
 
 use clap::{Parser, Subcommand};
 use failure::Failure;
@@ -39,6 +40,8 @@ enum Command {
     Diff(diff::Diff),
     /// Try every stiff and extreme case and say what holds.
     Stress(stress::Stress),
+    /// Write inputs and outputs of each formula, so that a port can be checked without this program.
+    Vectors(vectors::Vectors),
     /// List the Vulkan devices.
     Devices(devices::Devices),
 }
@@ -52,6 +55,7 @@ pub fn main() -> ExitCode {
         Command::Truth(c) => c.run(),
         Command::Diff(c) => c.run(),
         Command::Stress(c) => c.run(),
+        Command::Vectors(c) => c.run(),
         Command::Devices(c) => c.run(),
     };
     match done {

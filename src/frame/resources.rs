@@ -236,7 +236,7 @@ fn frame_block(inputs: &Inputs<'_>, s: &Setup, lut_knee: f32) -> FrameBlock {
 }
 
 /// AO radius of a level in sigmas of its blur.
-const OCCLUSION_RADIUS_SIGMAS: f64 = 3.;
+pub(crate) const OCCLUSION_RADIUS_SIGMAS: f64 = 3.;
 
 fn address(wrap: Wrap) -> vk::SamplerAddressMode {
     match wrap {

@@ -1,7 +1,7 @@
 //! The rows: what is tried, what must hold, the bound, and who measures it. A new row is a line here.
 
 use super::Engine::{Each, Once, Scattering};
-use super::{Row, edge, file, integral, lighting, material, size, surface};
+use super::{Row, edge, file, integral, lighting, material, size, surface, twins};
 
 type Known = &'static [(&'static str, &'static str, &'static str)];
 
@@ -36,6 +36,8 @@ pub const ROWS: &[Row] = &[
     Row { name: "object a fifth .. 100 screens", holds: "H on average", bounds: &[("|mean H r - 1|", 1e-2)], quick: false, engine: Once(surface::distances), expected: &[] },
     Row { name: "normals in 8, 10, 16 bit", holds: "noise in H goes as q / 2s", bounds: &[("metric: spread", 1.25), ("fit: spread", 1.25)], quick: true, engine: Once(surface::formats), expected: &[] },
     Row { name: "curvature in f32 and f64", holds: "|dH| q", bounds: &[("vergne", 1e-4), ("trace", 1e-6), ("metric", 1e-6), ("fit", 1e-6)], quick: true, engine: Once(surface::precision), expected: &[] },
+    Row { name: "levels and light of pdss in f32 and f64", holds: "the device is the twins", bounds: &[("soft normal p99", 2e-4), ("soft H length p99", 1e-3), ("exitance p99", 5e-4), ("ambient p99", 1e-3)], quick: true, engine: Once(twins::pdss), expected: &[] },
+    Row { name: "levels and light of moments in f32 and f64", holds: "the device is the twins", bounds: &[("soft normal p99", 2e-4), ("soft H length p99", 1e-3), ("exitance p99", 5e-4), ("ambient p99", 1e-3)], quick: true, engine: Once(twins::moments), expected: &[] },
     // Pre-integration.
     Row { name: "sphere, k = 1e-8 .. 1e14", holds: "D in 0..1, rises with mu, keeps energy", bounds: &[("outside 0..1", 1e-12), ("falls with mu by", 1e-12), ("|2 int D dmu - 1|", 1e-6), ("|D - quadrature|", 1e-7)], quick: true, engine: Once(integral::gaussian), expected: &[] },
     Row { name: "sphere, Burley, as stiff", holds: "D in 0..1, rises with mu, keeps energy", bounds: &[("outside 0..1", 1e-10), ("falls with mu by", 1e-10), ("|2 int D dmu - 1|", 1e-6)], quick: false, engine: Once(integral::burley), expected: &[] },

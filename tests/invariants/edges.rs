@@ -1,13 +1,11 @@
 //! Borders, backgrounds, steps in depth, pictures of a pixel.
-use crate::Outcome;
+use crate::{Outcome, scattering};
 use crate::studio::{Picture, Set, settings, shape};
 use glam::{Mat4, Vec3};
 use pdss::gpu::Gpu;
 use pdss::scene::{Aabb, Camera, Light, LightKind, Scene};
-use pdss::settings::{Method, Quality, View};
+use pdss::settings::{Quality, View};
 use std::sync::Arc;
-
-const SCATTERING: [Method; 2] = [Method::Pdss, Method::Moments];
 
 fn bounded(p: &Picture) -> bool {
     p.covered().count() > 0
@@ -17,7 +15,7 @@ fn bounded(p: &Picture) -> bool {
 
 pub fn sizes(gpu: &Arc<Gpu>) -> Vec<Outcome> {
     let mut all = Vec::new();
-    for method in SCATTERING {
+    for method in scattering() {
         for size in [[1, 1], [1, 37], [53, 1], [7, 5], [33, 17], [65, 66]] {
             let mut set = Set::new("shape:cylinder:40", 300., settings(method, View::Scatter, size));
             set.settings.quality = Quality::Low;
@@ -45,7 +43,7 @@ fn apart(gpu: &Arc<Gpu>, set: &Set) -> f32 {
 /// Far from any border, on a plane, whatever the view and the light. The twin: on a sphere the two are not the same.
 pub fn constant(gpu: &Arc<Gpu>) -> Vec<Outcome> {
     let mut all = Vec::new();
-    for method in SCATTERING {
+    for method in scattering() {
         let set = |text: &str, pitch: f64, light: f64, quality: Quality| {
             let mut set = Set::new(text, 60., settings(method, View::Scatter, [96, 64]));
             let target = (text != "shape:plane").then_some(glam::DVec3::Y * 20.);
@@ -97,7 +95,7 @@ pub fn leak(gpu: &Arc<Gpu>) -> Vec<Outcome> {
     let (sin, cos) = 0.8f32.sin_cos();
     let behind = |gap: f32| (Vec3::new(40. * cos - 0.4, 0., -40. * sin - gap), 0.8);
     let mut all = Vec::new();
-    for method in SCATTERING {
+    for method in scattering() {
         for quality in [Quality::Low, Quality::Ultra] {
             for (lit, direction) in [("behind", Vec3::new(1., 0., -0.2)), ("front", Vec3::new(-0.9, 0., 0.6))] {
                 let draw = |list: &[(Vec3, f32)]| {

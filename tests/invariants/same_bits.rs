@@ -1,5 +1,5 @@
 //! Pictures that must not differ in a single bit.
-use crate::Outcome;
+use crate::{Outcome, scattering};
 use crate::studio::{Picture, Set, settings, shape};
 use ash::vk;
 use pdss::frame::Renderer;
@@ -8,8 +8,6 @@ use pdss::plan::{Plan, TargetPlan};
 use pdss::scene::{Light, LightKind};
 use pdss::settings::{Ambient, Method, Quality, Resolution, View};
 use std::sync::Arc;
-
-const SCATTERING: [Method; 4] = [Method::Pdss, Method::Moments, Method::Gaussians, Method::Preintegrated];
 
 fn torus(method: Method, view: View) -> Set {
     let mut set = Set::new("shape:torus:70,25", 420., settings(method, view, [120, 90]));
@@ -26,7 +24,7 @@ pub fn radius_zero(gpu: &Arc<Gpu>) -> Vec<Outcome> {
         lambert.differing(&set.linear(gpu))
     };
     let mut all = Vec::new();
-    for method in SCATTERING {
+    for method in scattering() {
         let own = against(method, 1.);
         for factor in [0., 1e-9] {
             let n = against(method, factor);
@@ -41,7 +39,7 @@ pub fn no_profile(gpu: &Arc<Gpu>) -> Vec<Outcome> {
     let mut all = Vec::new();
     for view in [View::Final] {
         let lambert = torus(Method::Lambert, view).linear(gpu);
-        for method in SCATTERING {
+        for method in scattering() {
             let mut set = torus(method, view);
             let own = lambert.differing(&set.linear(gpu));
             set.profile = None;
