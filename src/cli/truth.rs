@@ -6,10 +6,11 @@ use super::{print, say};
 use clap::Args;
 use pdss::frame::Output;
 use pdss::report::picture;
-use pdss::truth::{self, Effort, Truth as Answer, Window, metrics};
+use pdss::truth::{self, Checkpoint, Effort, Truth as Answer, Window, metrics};
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
+use std::time::Duration;
 
 /// Options of `pdss truth`.
 #[derive(Debug, Args)]
@@ -32,6 +33,9 @@ pub struct Truth {
     /// Size of what counts as one point, as a part of its distance.
     #[arg(long, value_name = "X", default_value_t = Effort::default().opening, value_parser = parse_error)]
     opening: f64,
+    /// Least seconds between two writes of the state that an interrupted run goes on from: FILE with .state, removed when done.
+    #[arg(long, value_name = "S", default_value_t = 15., value_parser = parse_seconds)]
+    save_every: f64,
 }
 
 /// What is written beside the picture.
@@ -54,6 +58,7 @@ struct Record<'a> {
     kernel_mass_p5_p50_p95: [f64; 3],
     near_and_reach_mm: [f64; 2],
     seconds: f64,
+    resumed_pixels: usize,
     warnings: &'a [String],
 }
 
@@ -67,7 +72,9 @@ impl Truth {
         let inputs = stage.inputs(None, Output::Linear);
         let effort = Effort { samples: self.samples, max_error: self.max_error, opening: self.opening };
         let progress = Progress::new();
-        let answer = truth::solve(&inputs, self.crop, &effort, |thousandths| progress.show(thousandths))
+        let state = self.output.with_extension("exr.state");
+        let checkpoint = Checkpoint { file: state.clone(), every: Duration::from_secs_f64(self.save_every) };
+        let answer = truth::resume(&inputs, self.crop, &effort, Some(&checkpoint), |part| progress.show(part))
             .map_err(|e| Failure::Input(e.to_string()))?;
         drop(progress);
         for warning in &answer.warnings {
@@ -96,12 +103,19 @@ impl Truth {
             kernel_mass_p5_p50_p95: answer.mass,
             near_and_reach_mm: answer.radii_mm,
             seconds: answer.seconds,
+            resumed_pixels: answer.resumed,
             warnings: &answer.warnings,
         };
         let text = serde_json::to_string_pretty(&record).map_err(|e| Failure::Run(format!("writing JSON: {e}")))?;
         picture::write_exr(&self.output.with_extension("bands.exr"), size, &bands)?;
         picture::write_text(&self.output.with_extension("json"), &(text + "\n"))?;
         picture::write_exr(&self.output, size, &answer.pixels)?;
+        match std::fs::remove_file(&state) {
+            Err(e) if e.kind() != io::ErrorKind::NotFound => {
+                say(&format!("warning: {}: {e}; the result is whole, this file may go", state.display()));
+            }
+            _ => {}
+        }
         print(&summary(&self.output, &answer))
     }
 }
@@ -162,6 +176,11 @@ fn parse_count(text: &str) -> Result<usize, String> {
         .ok()
         .filter(|n| (1000..=200_000_000).contains(n))
         .ok_or_else(|| "samples are 1000 to 200000000".to_owned())
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    let right = |x: &f64| (0. ..=86400.).contains(x);
+    text.parse().ok().filter(right).ok_or_else(|| "that is not 0 to 86400 seconds; 15 would be".to_owned())
 }
 
 fn parse_error(text: &str) -> Result<f64, String> {

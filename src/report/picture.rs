@@ -167,6 +167,14 @@ pub fn write_text(file: &Path, text: &str) -> Result<(), PictureError> {
     replace(file, |w| w.write_all(text.as_bytes()).map_err(ImageError::IoError))
 }
 
+/// Writes bytes, pieces one after the other, whole or not at all.
+///
+/// # Errors
+/// Where they cannot be written.
+pub fn write_bytes(file: &Path, pieces: &[&[u8]]) -> Result<(), PictureError> {
+    replace(file, |w| pieces.iter().try_for_each(|p| w.write_all(p)).map_err(ImageError::IoError))
+}
+
 fn check(file: &Path, [width, height]: [u32; 2], got: usize) -> Result<(), PictureError> {
     if got as u64 == u64::from(width) * u64::from(height) {
         Ok(())

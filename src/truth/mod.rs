@@ -18,12 +18,15 @@ pub mod lighting;
 pub mod metrics;
 pub mod near;
 pub mod random;
+mod state;
 pub mod surface;
 
 pub use eye::Window;
+pub use state::Checkpoint;
 
 use crate::frame::Inputs;
 use crate::frame::setup::ViewFacts;
+use crate::report::picture::PictureError;
 use crate::scene::{Alpha, Projection};
 use bands::BORDER;
 use cloud::{Cloud, Sum};
@@ -33,6 +36,7 @@ use kernel::Kernel;
 use near::Near;
 use random::hash;
 use rayon::prelude::*;
+use state::{Found, Work};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 use surface::Surface;
@@ -45,6 +49,9 @@ const FIRST_RAYS: usize = 24;
 const MOST_RAYS: usize = 24 * 64;
 /// Pixels on which the tree is asked again, twice as finely.
 const PROBES: usize = 400;
+
+/// Pixels after which a state may be kept.
+const ROUND: usize = 8192;
 
 /// How hard to try.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -69,6 +76,9 @@ pub enum TruthError {
     /// The window does not lie in the picture.
     #[error("the window {0:?} does not lie in a picture of {1} x {2}")]
     Window(Window, u32, u32),
+    /// The state could not be kept.
+    #[error("keeping the state: {0}")]
+    State(#[from] PictureError),
 }
 
 /// Root mean square errors, estimated.
@@ -105,20 +115,12 @@ pub struct Truth {
     pub mass: [f64; 3],
     /// Where the near part ends and how far the kernel reaches, mm.
     pub radii_mm: [f64; 2],
-    /// Seconds of wall time.
+    /// Seconds of wall time, those of an interrupted run included.
     pub seconds: f64,
+    /// Pixels taken over from an interrupted run.
+    pub resumed: usize,
     /// What differs from the renderer; for people.
     pub warnings: Vec<String>,
-}
-
-/// One pixel on its way.
-#[derive(Clone, Copy, Default)]
-struct Work {
-    covered: bool,
-    value: [f64; 3],
-    halves: [[f64; 3]; 2],
-    mass: f64,
-    refined: bool,
 }
 
 /// Integrates. `progress` hears of parts of a thousand done.
@@ -129,6 +131,21 @@ pub fn solve(
     inputs: &Inputs<'_>,
     window: Option<Window>,
     effort: &Effort,
+    progress: impl Fn(usize) + Sync,
+) -> Result<Truth, TruthError> {
+    resume(inputs, window, effort, None, progress)
+}
+
+/// The same, going on from the state that an interrupted run left, and leaving one. A state of something else is not used: a
+/// warning says so. Whoever has put the result away removes the file.
+///
+/// # Errors
+/// Where the window lies outside the picture, or the state cannot be written.
+pub fn resume(
+    inputs: &Inputs<'_>,
+    window: Option<Window>,
+    effort: &Effort,
+    checkpoint: Option<&Checkpoint>,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Truth, TruthError> {
     let start = Instant::now();
@@ -169,18 +186,34 @@ pub fn solve(
     progress(100);
 
     let solver = Solver { inputs, surface: &surface, shadows, kernel: kernel.as_ref(), clouds: &clouds, effort };
-    let done = AtomicUsize::new(0);
-    let work: Vec<Work> = own
-        .par_iter()
-        .enumerate()
-        .map(|(i, s)| {
+    let mut said = warnings(inputs);
+    let key = if checkpoint.is_some() { state::key(inputs, window, effort) } else { [0; 2] };
+    let (before, mut work) = match checkpoint.map_or(Found::Nothing, |c| c.load(key, own.len())) {
+        Found::State(seconds, work) => (seconds, work),
+        Found::Nothing => (0., Vec::new()),
+        Found::Useless(why) => {
+            said.extend(checkpoint.map(|c| format!("{}: {why}; starting over", c.file.display())));
+            (0., Vec::new())
+        }
+    };
+    let resumed = work.len();
+    let done = AtomicUsize::new(resumed);
+    let mut kept = Instant::now();
+    while work.len() < own.len() {
+        let first = work.len();
+        let round = &own[first..own.len().min(first + ROUND)];
+        work.par_extend(round.par_iter().enumerate().map(|(i, s)| {
             let n = done.fetch_add(1, Ordering::Relaxed);
             if n.is_multiple_of(1024) {
                 progress(100 + 900 * n / own.len());
             }
-            s.map_or(Work::default(), |s| solver.pixel(s, i as u64))
-        })
-        .collect();
+            s.map_or(Work::default(), |s| solver.pixel(s, (first + i) as u64))
+        }));
+        if let Some(c) = checkpoint.filter(|c| work.len() < own.len() && kept.elapsed() >= c.every) {
+            c.save(key, before + start.elapsed().as_secs_f64(), &work)?;
+            kept = Instant::now();
+        }
+    }
     let tree = solver.tree_error(&own, &work);
     progress(1000);
 
@@ -194,18 +227,19 @@ pub fn solve(
         bands,
         error: estimate(&work, tree),
         samples: clouds.iter().map(Cloud::len).sum(),
-        refined: work.iter().filter(|w| w.refined).count(),
+        refined: work.iter().filter(|w| w.refined > 0).count(),
         mass: [at(0.05), at(0.5), at(0.95)],
         radii_mm: kernel.as_ref().map_or([0.; 2], |k| [k.near_end(), k.reach]),
-        seconds: start.elapsed().as_secs_f64(),
-        warnings: warnings(inputs),
+        seconds: before + start.elapsed().as_secs_f64(),
+        resumed,
+        warnings: said,
     })
 }
 
 impl Work {
     fn rgba(&self) -> [f32; 4] {
         let [r, g, b] = self.value.map(|x| x as f32);
-        [r, g, b, f32::from(u8::from(self.covered))]
+        [r, g, b, self.covered as f32]
     }
 }
 
@@ -223,7 +257,7 @@ impl Solver<'_> {
     fn pixel(&self, seen: &Seen, index: u64) -> Work {
         let x = &seen.place;
         let here = lighting::irradiance(self.surface, &self.inputs.lights, self.shadows, x);
-        let plain = Work { covered: true, value: here, halves: [here; 2], ..Work::default() };
+        let plain = Work { covered: 1, value: here, halves: [here; 2], ..Work::default() };
         let Some(kernel) = self.kernel.filter(|_| self.surface.scatters(x.face)) else { return plain };
         let mut core = Sum::default();
         core.add(kernel.core_share, here);
@@ -245,11 +279,11 @@ impl Solver<'_> {
                 let halves: [Sum; 2] = std::array::from_fn(|k| part[k].plus(&far[k]));
                 let whole = halves[0].plus(&halves[1]).times(0.5);
                 return Work {
-                    covered: true,
+                    covered: 1,
                     value: whole.ratio(here),
                     halves: halves.map(|h| h.ratio(here)),
                     mass: whole.mass[1],
-                    refined: rays > FIRST_RAYS,
+                    refined: u32::from(rays > FIRST_RAYS),
                 };
             }
             rays *= 4;
@@ -282,7 +316,7 @@ impl Solver<'_> {
 
 fn estimate(work: &[Work], tree: f64) -> Estimate {
     let halves = |w: &Work| -> [f64; 3] { std::array::from_fn(|c| 0.5 * (w.halves[0][c] - w.halves[1][c])) };
-    let covered: Vec<[f64; 3]> = work.iter().filter(|w| w.covered).map(halves).collect();
+    let covered: Vec<[f64; 3]> = work.iter().filter(|w| w.covered > 0).map(halves).collect();
     let count = (3 * covered.len()).max(1) as f64;
     let noise = (covered.iter().flatten().map(|d| d * d).sum::<f64>() / count).sqrt();
     let mut worst: Vec<f64> = covered.iter().map(|d| d.iter().fold(0., |a: f64, x| a.max(x.abs()))).collect();
