@@ -41,7 +41,8 @@ fn written_vectors_are_the_formulas_and_a_changed_number_is_caught() {
 #[test]
 fn a_folder_that_cannot_be_is_one_line_and_code_2() {
     let file = tempfile::NamedTempFile::new().expect("a file");
-    let done = Command::new(env!("CARGO_BIN_EXE_pdss")).arg("vectors").arg("-o").arg(file.path()).output().expect("it runs");
+    let done =
+        Command::new(env!("CARGO_BIN_EXE_pdss")).arg("vectors").arg("-o").arg(file.path()).output().expect("it runs");
     assert_eq!(done.status.code(), Some(2));
     assert_eq!(String::from_utf8_lossy(&done.stderr).lines().count(), 1);
 }

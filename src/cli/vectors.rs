@@ -19,7 +19,8 @@ impl Vectors {
     /// Writes the files, each whole or not at all.
     pub fn run(&self) -> Result<(), Failure> {
         let folder = self.output.display();
-        let wrong = |e: &dyn std::fmt::Display| Failure::Input(format!("{folder}: {e}; a folder to write to is wanted"));
+        let wrong =
+            |e: &dyn std::fmt::Display| Failure::Input(format!("{folder}: {e}; a folder to write to is wanted"));
         std::fs::create_dir_all(&self.output).map_err(|e| wrong(&e))?;
         for formula in FORMULAS {
             let text = serde_json::to_string(&file(formula)).map_err(|e| Failure::Run(format!("writing JSON: {e}")))?;

@@ -79,14 +79,7 @@ fn unscattered(n: V3, sharp: [f64; 2], lamp: &Lamp) -> f64 {
 }
 
 /// Exitance of unit albedo by `moments`: each level by its weight, what is narrower than a pixel by the sharp normal.
-pub fn moments(
-    n: V3,
-    sharp: [f64; 2],
-    levels: &[Texel],
-    weights: &[V3],
-    narrow: V3,
-    lamps: &[Lamp],
-) -> V3 {
+pub fn moments(n: V3, sharp: [f64; 2], levels: &[Texel], weights: &[V3], narrow: V3, lamps: &[Lamp]) -> V3 {
     let mut sum = [0.0; 3];
     for lamp in lamps {
         let own = unscattered(n, sharp, lamp);
@@ -103,15 +96,7 @@ pub fn moments(
 
 /// Exitance of unit albedo by `pdss`: each channel's own mix of levels, looked up. `shares` has an entry more than `levels`, the
 /// first for the sharp normal; levels hold curvature times `length_mm`.
-pub fn pdss(
-    n: V3,
-    sharp: [f64; 2],
-    levels: &[Texel],
-    shares: &[V3],
-    length_mm: f64,
-    lut: &Lut,
-    lamps: &[Lamp],
-) -> V3 {
+pub fn pdss(n: V3, sharp: [f64; 2], levels: &[Texel], shares: &[V3], length_mm: f64, lut: &Lut, lamps: &[Lamp]) -> V3 {
     let mut sum = [0.0; 3];
     for c in 0..3 {
         let own = shares[0][c];

@@ -82,11 +82,25 @@ pub const FORMULAS: &[Formula] = &[
     Formula { name: "tone-srgb", source: "IEC 61966-2-1; srgb in glsl/common/tonemap.glsl", inputs: &["linear"], outputs: &["code 0..1"], tolerance: 1e-5, cases: || steps(0.0, 1.0, 33), of: |v| vec![crate::report::tone::encode(v[0])] },
 ];
 
-const WINDOW: &[&str] = &["ray_scale (2)", "ray_offset (2)", "perspective 0|1", "z of 3 x 3 pixels (9), mm, 0 background", "normals (27), view space"];
+const WINDOW: &[&str] = &[
+    "ray_scale (2)",
+    "ray_offset (2)",
+    "perspective 0|1",
+    "z of 3 x 3 pixels (9), mm, 0 background",
+    "normals (27), view space",
+];
 const BEND: &[&str] = &["H, 1/mm", "K, 1/mm^2", "confidence"];
 const PATCH: &[&str] = &[
-    "ray_scale (2)", "ray_offset (2)", "perspective 0|1", "variance, mm^2", "turn 0|1",
-    "9 x 9 pixels: z (81), mm, negative where it scatters", "normals (243), view space", "H times length (81)", "confidence (81)", "lit (162)",
+    "ray_scale (2)",
+    "ray_offset (2)",
+    "perspective 0|1",
+    "variance, mm^2",
+    "turn 0|1",
+    "9 x 9 pixels: z (81), mm, negative where it scatters",
+    "normals (243), view space",
+    "H times length (81)",
+    "confidence (81)",
+    "lit (162)",
 ];
 
 /// Runs a formula over its cases.
@@ -108,7 +122,7 @@ pub fn file(f: &Formula) -> File {
 pub fn wrong(f: &Formula, file: &File) -> usize {
     let off = |c: &&Case| {
         let want = (f.of)(&c.input);
-        want.len() != c.output.len() || want.iter().zip(&c.output).any(|(a, b)| !((a - b).abs() <= f.tolerance))
+        want.len() != c.output.len() || !want.iter().zip(&c.output).all(|(a, b)| (a - b).abs() <= f.tolerance)
     };
     file.cases.iter().filter(off).count()
 }
@@ -175,7 +189,8 @@ fn stiff() -> Vec<Vec<f64>> {
 }
 
 fn coordinates() -> Vec<Vec<f64>> {
-    let both = pairs(&[-1.2, -1.0, -0.3, -0.125, -0.05, 0.0, 0.05, 0.125, 0.3, 1.0], &[0.0, 1e-6, 0.01, 0.5, 3.0, 1e3, 1e30]);
+    let both =
+        pairs(&[-1.2, -1.0, -0.3, -0.125, -0.05, 0.0, 0.05, 0.125, 0.3, 1.0], &[0.0, 1e-6, 0.01, 0.5, 3.0, 1e3, 1e30]);
     both.into_iter().flat_map(|p| [0.2, 2.5].map(|knee| vec![p[0], p[1], knee])).collect()
 }
 
@@ -191,7 +206,14 @@ fn means() -> Vec<Vec<f64>> {
     let mut all = Vec::new();
     for length in [1e-3, 0.5, 0.9, 0.999, 1.0] {
         for angle in [0.0f64, 0.7, 1.4, 1.6, 2.2, 3.1] {
-            all.push(vec![0.6 * length, 0.0, 0.8 * length, 0.6 * angle.cos() + 0.8 * angle.sin(), 0.0, 0.8 * angle.cos() - 0.6 * angle.sin()]);
+            all.push(vec![
+                0.6 * length,
+                0.0,
+                0.8 * length,
+                0.6 * angle.cos() + 0.8 * angle.sin(),
+                0.0,
+                0.8 * angle.cos() - 0.6 * angle.sin(),
+            ]);
         }
     }
     all
@@ -247,9 +269,12 @@ fn windows() -> Vec<Vec<f64>> {
 
 fn patches() -> Vec<Vec<f64>> {
     let mut all = Vec::new();
-    for (r, q, shift, variance, turn) in
-        [(60.0, 0.5, 0.0, 0.36, 0.0), (20.0, 0.5, 0.08, 0.2, 1.0), (5.0, 0.5, 0.035, 0.25, 0.0), (1e4, 0.5, 0.4, 0.3, 1.0)]
-    {
+    for (r, q, shift, variance, turn) in [
+        (60.0, 0.5, 0.0, 0.36, 0.0),
+        (20.0, 0.5, 0.08, 0.2, 1.0),
+        (5.0, 0.5, 0.035, 0.25, 0.0),
+        (1e4, 0.5, 0.4, 0.3, 1.0),
+    ] {
         let (head, z, normal) = ball(9, r, q, shift);
         let wave = |i: usize, k: f64| 0.5 + 0.5 * (k * i as f64).sin();
         let h = (0..81).map(|i| 0.1 * wave(i, 0.7)).collect();

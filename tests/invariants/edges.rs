@@ -1,6 +1,6 @@
 //! Borders, backgrounds, steps in depth, pictures of a pixel.
-use crate::{Outcome, scattering};
 use crate::studio::{Picture, Set, settings, shape};
+use crate::{Outcome, scattering};
 use glam::{Mat4, Vec3};
 use pdss::gpu::Gpu;
 use pdss::scene::{Aabb, Camera, Light, LightKind, Scene};

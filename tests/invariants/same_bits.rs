@@ -1,6 +1,6 @@
 //! Pictures that must not differ in a single bit.
-use crate::{Outcome, scattering};
 use crate::studio::{Picture, Set, settings, shape};
+use crate::{Outcome, scattering};
 use ash::vk;
 use pdss::frame::Renderer;
 use pdss::gpu::Gpu;

@@ -1,6 +1,6 @@
 //! Moving, turning, mirroring and scaling everything at once changes nothing.
-use crate::{Outcome, scattering};
 use crate::studio::{Picture, Set, settings};
+use crate::{Outcome, scattering};
 use clap::ValueEnum;
 use glam::{DMat3, DVec3, Vec3};
 use pdss::gpu::Gpu;

@@ -5,6 +5,7 @@ use pdss::gpu::{Gpu, Options};
 use pdss::scene::{Camera, Light, Scene};
 use pdss::settings::Settings;
 use pdss::skin::profile::Profile;
+#[allow(unused_imports, reason = "shared by several test programs, none of which uses all of it")]
 pub use pdss::stress::studio::{Picture, settings, wax};
 use std::sync::Arc;
 
