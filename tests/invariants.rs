@@ -13,9 +13,7 @@ mod same_bits;
 #[path = "invariants/symmetry.rs"]
 mod symmetry;
 
-use clap::ValueEnum;
 use pdss::gpu::Gpu;
-use pdss::settings::Method;
 use std::sync::Arc;
 
 /// Figures and verdict of one check.
@@ -25,11 +23,6 @@ pub struct Outcome {
     pub holds: bool,
     /// The twin was caught.
     pub can_fail: bool,
-}
-
-/// Every method that scatters.
-pub fn scattering() -> impl Iterator<Item = Method> {
-    Method::value_variants().iter().copied().filter(|m| *m != Method::Lambert)
 }
 
 type Check = fn(&Arc<Gpu>) -> Vec<Outcome>;

@@ -1,6 +1,6 @@
 //! Pictures that must not differ in a single bit.
+use crate::Outcome;
 use crate::studio::{Picture, Set, settings, shape};
-use crate::{Outcome, scattering};
 use ash::vk;
 use pdss::frame::Renderer;
 use pdss::gpu::Gpu;
@@ -8,6 +8,16 @@ use pdss::plan::{Plan, TargetPlan};
 use pdss::scene::{Light, LightKind};
 use pdss::settings::{Ambient, Method, Quality, Resolution, View};
 use std::sync::Arc;
+
+const SCATTERING: [Method; 7] = [
+    Method::Pdss,
+    Method::Moments,
+    Method::Preintegrated,
+    Method::Gaussians,
+    Method::Separable,
+    Method::Burley,
+    Method::Wrap,
+];
 
 fn torus(method: Method, view: View) -> Set {
     let mut set = Set::new("shape:torus:70,25", 420., settings(method, view, [120, 90]));
@@ -24,7 +34,7 @@ pub fn radius_zero(gpu: &Arc<Gpu>) -> Vec<Outcome> {
         lambert.differing(&set.linear(gpu))
     };
     let mut all = Vec::new();
-    for method in scattering() {
+    for method in SCATTERING {
         let own = against(method, 1.);
         for factor in [0., 1e-9] {
             let n = against(method, factor);
@@ -39,7 +49,7 @@ pub fn no_profile(gpu: &Arc<Gpu>) -> Vec<Outcome> {
     let mut all = Vec::new();
     for view in [View::Final] {
         let lambert = torus(Method::Lambert, view).linear(gpu);
-        for method in scattering() {
+        for method in SCATTERING {
             let mut set = torus(method, view);
             let own = lambert.differing(&set.linear(gpu));
             set.profile = None;
@@ -80,13 +90,17 @@ fn poisoned(gpu: &Arc<Gpu>, set: &Set, at: fn(&Plan) -> usize) -> Picture {
 /// What memory holds before the frame does not matter: nobody uses what nobody has written.
 pub fn unwritten(gpu: &Arc<Gpu>) -> Vec<Outcome> {
     let mut all = Vec::new();
-    for method in [Method::Lambert, Method::Pdss, Method::Moments] {
+    // A forward pass reads no target.
+    let deferred = SCATTERING.into_iter().filter(|m| *m != Method::Preintegrated);
+    for method in std::iter::once(Method::Lambert).chain(deferred) {
         for resolution in [Resolution::Full, Resolution::Quarter] {
             let mut set = torus(method, View::Final);
             set.settings.resolution = Some(resolution);
             let picture = set.linear(gpu);
             let n = picture.differing(&poisoned(gpu, &set, |_| 0));
-            let late = |plan: &Plan| plan.passes.iter().position(|p| p.name == "light").unwrap_or_default();
+            let late = |plan: &Plan| {
+                plan.passes.iter().position(|p| p.name == "light" || p.name == "combine").unwrap_or_default()
+            };
             let off = picture.differing(&poisoned(gpu, &set, late));
             let text = format!("{method:?} {resolution:?}: {n} pixels differ; filled just before lighting: {off}");
             all.push(Outcome { text, holds: n == 0, can_fail: off > 1000 });
@@ -111,7 +125,7 @@ pub fn left_out(gpu: &Arc<Gpu>) -> Vec<Outcome> {
         ("no profile", &|s| s.profile = None),
     ];
     let mut all = Vec::new();
-    for method in [Method::Lambert, Method::Pdss, Method::Moments] {
+    for method in std::iter::once(Method::Lambert).chain(SCATTERING) {
         for (what, change) in &cases {
             let mut set = torus(method, View::Final);
             change(&mut set);
