@@ -58,10 +58,11 @@
 //!
 //! [`scene`] reads glTF and makes shapes. [`skin`] is the science, in f64 and without a GPU. [`plan`] decides, [`stages`] are
 //! the steps, [`methods`] put them in order, [`frame`] creates and records what was decided. [`gpu`] holds all unsafe code.
-//! [`report`] turns frames into pictures, tables and records. `glsl/README.md` is the guide for porting the shaders.
+//! [`report`] turns frames into pictures, tables and records; [`compare`] holds all methods against [`truth`] and the clock. `glsl/README.md` is the guide for porting the shaders.
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod compare;
 pub mod frame;
 pub mod gpu;
 pub mod methods;

@@ -293,7 +293,11 @@ impl Default for Settings {
     }
 }
 
-fn parse_size(text: &str) -> Result<Size, String> {
+/// Width and height with an x between them, each 1 to 16384.
+///
+/// # Errors
+/// A line that says what would be right.
+pub fn parse_size(text: &str) -> Result<Size, String> {
     let wrong = || format!("{text:?} is not a size; 1650x1080 would be");
     let (w, h) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
     let size = Size { width: w.parse().map_err(|_| wrong())?, height: h.parse().map_err(|_| wrong())? };

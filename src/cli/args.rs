@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// What is drawn where no scene is named.
-const DEFAULT_SCENE: &str = "shape:torus:70,25";
+pub const DEFAULT_SCENE: &str = "shape:torus:70,25";
 /// How things scatter where no profile is named.
 const DEFAULT_PROFILE: &str = "skin";
 /// Vertical field of view where none is given, degrees.
@@ -28,6 +28,13 @@ pub struct Aim {
     yaw: f64,
     pitch: f64,
     size: f64,
+}
+
+impl Aim {
+    /// The directional light that it aims.
+    pub fn light(&self) -> Light {
+        Light::directional(self.yaw, self.pitch, self.size as f32)
+    }
 }
 
 /// The scene and how it is seen.
@@ -175,7 +182,7 @@ impl View {
 
     /// Whether the validation layers are on.
     pub fn validates(&self) -> bool {
-        self.device.validate
+        self.device.validates()
     }
 
     fn camera(&self, scene: &Scene) -> Result<Camera, Failure> {
@@ -194,9 +201,7 @@ impl View {
     }
 
     fn lights(&self, scene: &Scene) -> Vec<Light> {
-        let directional = |aims: &[Aim]| -> Vec<Light> {
-            aims.iter().map(|a| Light::directional(a.yaw, a.pitch, a.size as f32)).collect()
-        };
+        let directional = |aims: &[Aim]| -> Vec<Light> { aims.iter().map(Aim::light).collect() };
         if !self.lights.is_empty() {
             return directional(&self.lights);
         }
@@ -211,6 +216,11 @@ impl View {
 }
 
 impl Device {
+    /// Whether the validation layers are on.
+    pub fn validates(&self) -> bool {
+        self.validate
+    }
+
     /// Opens the device.
     pub fn open(&self) -> Result<Arc<Gpu>, Failure> {
         Ok(Gpu::open(&Options { validate: self.validate, device: self.device.clone() })?)
@@ -249,7 +259,7 @@ fn parse_camera(text: &str) -> Result<Aim, String> {
     }
 }
 
-fn parse_light(text: &str) -> Result<Aim, String> {
+pub fn parse_light(text: &str) -> Result<Aim, String> {
     match numbers(text).as_deref() {
         Some([yaw, pitch]) => Ok(Aim { yaw: *yaw, pitch: *pitch, size: 1. }),
         Some([yaw, pitch, size]) if *size >= 0. => Ok(Aim { yaw: *yaw, pitch: *pitch, size: *size }),
@@ -273,7 +283,7 @@ fn parse_fov(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "the vertical field of view lies between 0 and 180 degrees".to_owned())
 }
 
-fn parse_positive(text: &str) -> Result<f64, String> {
+pub fn parse_positive(text: &str) -> Result<f64, String> {
     let right = |x: &f64| *x > 0. && x.is_finite();
     text.parse().ok().filter(right).ok_or_else(|| "that is not a number above 0; 1000 would be".to_owned())
 }

@@ -1,5 +1,6 @@
 //! How a command can fail, and the exit code that says so.
 
+use pdss::compare::CompareError;
 use pdss::frame::FrameError;
 use pdss::gpu::GpuError;
 use pdss::report::picture::PictureError;
@@ -80,6 +81,16 @@ impl From<SceneError> for Failure {
 impl From<ProfileError> for Failure {
     fn from(error: ProfileError) -> Self {
         Failure::Input(line(&error))
+    }
+}
+
+impl From<CompareError> for Failure {
+    fn from(error: CompareError) -> Self {
+        match error {
+            CompareError::Frame(error) => error.into(),
+            CompareError::Picture(error) => error.into(),
+            _ => Failure::Input(line(&error)),
+        }
     }
 }
 

@@ -1,11 +1,14 @@
 //! The command line: thin, one file per subcommand. Machine output goes to stdout alone, words for people to stderr.
 
 mod args;
+mod calibrate;
+mod compare;
 mod devices;
 mod diff;
 mod explain;
 mod failure;
 mod profile;
+mod progress;
 mod render;
 mod stress;
 mod truth;
@@ -35,6 +38,10 @@ enum Command {
     Explain(explain::Explain),
     /// Integrate the converged answer that methods are held against; needs no device.
     Truth(truth::Truth),
+    /// Hold all methods against truth and against the clock: error against run time.
+    Compare(compare::Compare),
+    /// Measure this device, so that render can choose a method for --budget-ms or --max-error.
+    Calibrate(calibrate::Calibrate),
     /// Say how wrong one picture is against another.
     Diff(diff::Diff),
     /// Try every stiff and extreme case and say what holds.
@@ -50,6 +57,8 @@ pub fn main() -> ExitCode {
         Command::Profile(c) => c.run(),
         Command::Explain(c) => c.run(),
         Command::Truth(c) => c.run(),
+        Command::Compare(c) => c.run(),
+        Command::Calibrate(c) => c.run(),
         Command::Diff(c) => c.run(),
         Command::Stress(c) => c.run(),
         Command::Devices(c) => c.run(),

@@ -1,13 +1,20 @@
 //! `pdss render`: a picture of a scene.
 
-use super::args::{self, View};
+use super::args::{self, Stage, View, parse_positive};
 use super::failure::Failure;
-use clap::Args;
-use pdss::frame::{Output, Renderer};
+use super::{calibrate, say};
+use clap::{Args, ValueEnum};
+use pdss::compare::calibration::Wish;
+use pdss::compare::columns::significant;
+use pdss::frame::{FrameError, Output, Renderer};
+use pdss::gpu::Gpu;
+use pdss::report::measure::{self, Warmup};
 use pdss::report::picture::{self, Format};
+use pdss::report::stats::Summary;
 use pdss::report::{preview, supersample};
-use pdss::settings::{Size, View as Show};
+use pdss::settings::{Method, Quality, Size, View as Show};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Options of `pdss render`.
 #[derive(Debug, Args)]
@@ -23,6 +30,13 @@ pub struct Render {
     /// Samples of a pixel along each axis, averaged in linear light: for lit PNGs. EXR and other views have one.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=4))]
     supersample: u32,
+    /// Choose the method and quality that are nearest to truth among those whose frame takes at most X ms, by what
+    /// pdss calibrate measured on this device.
+    #[arg(long, value_name = "X", value_parser = parse_positive, conflicts_with_all = ["method", "quality"])]
+    budget_ms: Option<f64>,
+    /// Choose the fastest method and quality whose rms error on the calibrated scenes is at most E.
+    #[arg(long, value_name = "E", value_parser = parse_positive, conflicts_with_all = ["method", "quality"])]
+    max_error: Option<f64>,
 }
 
 impl Render {
@@ -32,6 +46,10 @@ impl Render {
         let mut stage = self.view.load()?;
         let size = stage.size();
         let gpu = self.view.open()?;
+        let wish = Wish { budget_ms: self.budget_ms, max_error: self.max_error };
+        if wish != Wish::default() {
+            choose(&gpu, &mut stage, wish)?;
+        }
         let output = match format {
             Format::Png => Output::Ldr,
             Format::Exr => Output::Linear,
@@ -59,4 +77,57 @@ impl Render {
         drop(renderer);
         args::close(gpu)
     }
+}
+
+/// Frames that say whether a choice holds on this scene: before the first sample, and samples.
+const TRIAL: (usize, usize) = (3, 7);
+
+/// Sets method and quality as the device's calibration recommends, once this very scene has been tried with them.
+fn choose(gpu: &Arc<Gpu>, stage: &mut Stage, wish: Wish) -> Result<(), Failure> {
+    let calibration = calibrate::of(gpu.info())?;
+    let [width, height] = stage.size();
+    let pixels = u64::from(width) * u64::from(height);
+    let mut tried = Vec::new();
+    for setting in calibration.choose(wish, pixels).map_err(Failure::Input)? {
+        let (Ok(method), Ok(quality)) =
+            (Method::from_str(&setting.method, false), Quality::from_str(&setting.quality, false))
+        else {
+            continue;
+        };
+        (stage.settings.method, stage.settings.quality) = (method, quality);
+        let name = format!("{} {}", setting.method, setting.quality);
+        let took = match trial(gpu, stage)? {
+            Ok(ms) => ms,
+            Err(why) => {
+                tried.push(format!("{name} {why}"));
+                continue;
+            }
+        };
+        let three = |x: f64| significant(x, 3);
+        if wish.budget_ms.is_none_or(|budget| took <= budget) {
+            let before = if tried.is_empty() { String::new() } else { format!("; not {}", tried.join(", not ")) };
+            let [error, expected, took] = [setting.rmse, setting.frame_ms(pixels), took].map(three);
+            say(&format!(
+                "{name}: error {error} rms over {} calibrated scenes, {} on {} at worst; {expected} ms expected, {took} ms here{before}",
+                calibration.scenes,
+                three(setting.worst_rmse),
+                setting.worst_scene
+            ));
+            return Ok(());
+        }
+        tried.push(format!("{name}, {} ms here", three(took)));
+    }
+    Err(Failure::Input(format!("nothing that was expected to fit did on this scene: {}", tried.join("; "))))
+}
+
+/// The median frame time of the stage as it is, ms; or why its method does not draw it.
+fn trial(gpu: &Arc<Gpu>, stage: &Stage) -> Result<Result<f64, String>, Failure> {
+    let mut renderer = match Renderer::new(gpu, stage.inputs(None, Output::Ldr)) {
+        Ok(renderer) => renderer,
+        Err(FrameError::Gpu(error)) => return Err(error.into()),
+        Err(refusal) => return Ok(Err(refusal.to_string())),
+    };
+    let (_, samples) = measure::measure(&mut renderer, Warmup::Exactly(TRIAL.0), TRIAL.1, |_, _| {})?;
+    let wall: Vec<Option<f64>> = samples.wall_ms.into_iter().map(Some).collect();
+    Ok(Ok(Summary::of(&wall).map_or(f64::INFINITY, |s| s.median)))
 }

@@ -260,7 +260,7 @@ fn parse_window(text: &str) -> Result<Window, String> {
     }
 }
 
-fn parse_count(text: &str) -> Result<usize, String> {
+pub fn parse_count(text: &str) -> Result<usize, String> {
     text.parse()
         .ok()
         .filter(|n| (1000..=200_000_000).contains(n))
@@ -281,6 +281,6 @@ fn parse_seconds(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(right).ok_or_else(|| "that is not 0 to 86400 seconds; 15 would be".to_owned())
 }
 
-fn parse_error(text: &str) -> Result<f64, String> {
+pub fn parse_error(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x| *x > 0. && *x <= 1.).ok_or_else(|| "that is not above 0 and at most 1".to_owned())
 }

@@ -1,7 +1,7 @@
 //! What a handful of times says: quantiles rather than means, since a time has no limit upwards.
 
 /// Times in ms, described. Quantiles are of the samples there are; [`dropped`](Self::dropped) counts those there are not.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Summary {
     /// Half of the samples are below.
     pub median: f64,

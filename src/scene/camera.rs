@@ -148,7 +148,7 @@ impl Camera {
 }
 
 /// Smallest distance from the centre of a box (half sizes `half`, mm) at which all its corners are in the picture.
-fn framing_distance(half: DVec3, yaw: f64, pitch: f64, fov_y_deg: f64, aspect: f64) -> f64 {
+pub(crate) fn framing_distance(half: DVec3, yaw: f64, pitch: f64, fov_y_deg: f64, aspect: f64) -> f64 {
     let back = direction_from(yaw, pitch);
     let (sin_yaw, cos_yaw) = yaw.to_radians().sin_cos();
     let right = DVec3::new(cos_yaw, 0.0, -sin_yaw);

@@ -22,6 +22,7 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 
+pub(crate) use camera::framing_distance;
 pub use camera::{Camera, Projection};
 pub use error::SceneError;
 pub use light::{Light, LightKind, direction_from};
