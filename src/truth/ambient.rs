@@ -100,7 +100,7 @@ fn at(surface: &Surface<'_>, seen: &Seen, radius: f64, count: usize, seed: u64) 
         }
         cast += 1;
         let mut nearest = radius;
-        surface.each(place.lifted, direction, 0., radius, |hit, _| {
+        surface.each(place.lifted, direction, surface.slack, radius, |hit, _| {
             if hit.face != place.face {
                 nearest = nearest.min(hit.t);
             }
