@@ -17,8 +17,8 @@ layout(constant_id = 0) const int STEP = 1;               // entry of the kernel
 layout(constant_id = 1) const int HALF = 3;               // taps on a side
 layout(constant_id = 2) const float SPACING = 1.;         // of taps, sigmas
 
-// Measured: 2 to 12 were tried on a torus and a head.
-const float FOLLOW = 8.;
+// Wider serves a torus better still (.0078 rms at 8 against .0082), and lets a background bleed further.
+const float FOLLOW = 5.;
 
 layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
 layout(set = 0, binding = 3, rgba16f) uniform readonly image2D source;

@@ -1,10 +1,11 @@
 // light: G-buffer, blurred levels, table, shadow -> picture (ldr, tone-mapped; or exr, linear).
-// variants: lambert METHOD=0; pdss METHOD=1; moments METHOD=2
+// variants: lambert METHOD=0; pdss METHOD=1; moments METHOD=2; wrap METHOD=3
 //
 // lambert  exitance = max(0, n.l) E
 // pdss     exitance_c = D(n_c.l, |H_c|) E, D pre-integrated over a sphere or a ring (Penner & Borshukov 2011), n_c and H_c a
 //          channel's own mix of the blurred levels (Chen, Lambert & Penner 2014)
 // moments  exitance = sum over the profile's Gaussians w E[max(0, n.l)], from mean and spread of n (common/scattering.glsl)
+// wrap     exitance_c = max(0, n.l + w_c) / (1 + w_c)^2 E (McAuley; Hill 2011), w_c fitted to a sphere of the pixel's curvature
 // What a light with a slot lights (cosine times visibility) is blurred with the levels: moments takes it as it is, pdss takes
 // from it how much of the unshadowed light is left. What no level carries (narrower than a pixel) is lit by the sharp normal.
 #version 460
@@ -18,6 +19,9 @@
 #include "common/scattering.glsl"
 #include "common/level_code.glsl"
 #include "common/tonemap.glsl"
+#include "common/curvature_code.glsl"
+
+#define LEVELLED (METHOD == 1 || METHOD == 2)
 
 #define OUTPUT_FINAL 0
 #define OUTPUT_SCATTER 1
@@ -46,7 +50,7 @@ layout(set = 0, binding = 4, rgba8) uniform readonly image2D albedo;
 layout(set = 0, binding = 5, rgba8) uniform readonly image2D material;
 layout(set = 0, binding = 6, r32ui) uniform readonly uimage2D lit;
 layout(set = 0, binding = 7) uniform writeonly image2D picture;
-#if METHOD > 0
+#if LEVELLED
 layout(set = 0, binding = 8, rg32ui) uniform readonly uimage2D soft0;
 layout(set = 0, binding = 9, rg32ui) uniform readonly uimage2D soft1;
 layout(set = 0, binding = 10, rg32ui) uniform readonly uimage2D soft2;
@@ -124,6 +128,10 @@ Footprint footprint(ivec2 pixel, vec3 p0, vec3 n, int stride) {
 
 #if METHOD == 1
 layout(set = 0, binding = 20) uniform sampler2D lut;
+#elif METHOD == 3
+layout(set = 0, binding = 20, rg32ui) uniform readonly uimage2D curvature;
+// rgb Burley's d in mm, w the widest.
+layout(set = 0, binding = 21, scalar) readonly buffer KernelBlock { vec4 entry[]; } kernel;
 #endif
 
 void finish(ivec2 pixel, vec3 color) {
@@ -148,7 +156,7 @@ void main() {
     vec2 sharp = SLOTS ? unpackUnorm2x16(imageLoad(lit, pixel).x) : vec2(0.);
 
     float ao = 1.;
-#if METHOD > 0
+#if LEVELLED
     Footprint half_, quarter;
     if (STRIDED) {
         if (STRIDE0 == 2 || STRIDE1 == 2 || STRIDE2 == 2 || STRIDE3 == 2 || STRIDE4 == 2 || STRIDE5 == 2) half_ = footprint(pixel, p, n, 2);
@@ -191,6 +199,19 @@ void main() {
     h = abs(h) / frame.length_mm;
 #endif
 
+#if METHOD == 3
+    // Root mean square of the principal curvatures: 1/r on a sphere, and of all single numbers the one that serves a cylinder
+    // best.
+    vec3 wrap = vec3(0.);
+    float bend = 0.;
+    if (scatters) {
+        uvec2 code = imageLoad(curvature, pixel).xy;
+        float mean = curvature_mean(code), q = mix(1., z, frame.perspective) / frame.pixels_per_mm;
+        bend = curvature_confidence(code) > 0. ? sqrt(max(2. * mean * mean - curvature_gauss(code, q), 0.)) : 0.;
+        wrap = wrap_of(kernel.entry[0].rgb * bend);
+    }
+#endif
+
     vec4 base = imageLoad(albedo, pixel);
     vec4 m = imageLoad(material, pixel);
     vec3 color = base.rgb * base.rgb;
@@ -208,7 +229,16 @@ void main() {
         float own = light.slot == 0 ? sharp.x : sharp.y;
         float shade = 1.;
         if (slotted) shade = c > 1e-3 ? min(own / c, 1.) : 0.;
-        else if (LOOK_UP && light.layer >= 0) shade = shadow_visibility(light, p, n, l, mat3(frame.world_from_view));
+        else if (LOOK_UP && light.layer >= 0) {
+            vec3 from = p;
+#if METHOD == 3
+            // Beyond the terminator a surface hides itself from the light. It is asked for from where a sphere of its
+            // curvature no longer does, no further up than light travels.
+            float sine = min(-c, .99);
+            if (scatters && c < 0.) from += n * min((inversesqrt(1. - sine * sine) - 1.) / max(bend, 1e-9), 4. * kernel.entry[0].w);
+#endif
+            shade = shadow_visibility(light, from, n, l, mat3(frame.world_from_view));
+        }
         vec3 lit_here = vec3(slotted ? own : max(c, 0.) * shade);
 #if METHOD == 1
         if (scatters) {
@@ -226,6 +256,8 @@ void main() {
                 lit_here *= shade;
             }
         }
+#elif METHOD == 3
+        if (scatters) lit_here = max(c + wrap, 0.) / ((1. + wrap) * (1. + wrap)) * shade;
 #elif METHOD == 2
         if (scatters) {
             lit_here *= frame.sharp.rgb;

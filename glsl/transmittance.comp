@@ -1,9 +1,10 @@
 // transmittance: viewz, normal, albedo, shadow, irradiance -> irradiance. Light that enters a thin part from behind and leaves
 // towards the eye (Jimenez, Whelan, Sundstedt & Gutierrez 2010); it is blurred with the rest, as the authors do it.
 //
-// irradiance += E T(s) max(0, .3 - n.l), T(s) = sum over the profile's Gaussians of w exp(-s^2 / v), s the thickness in mm along
-// the light: from the surface that the shadow map holds to this one, sunk by SINK along its normal, so that what faces the light
-// does not shade itself by a texel.
+// irradiance += E T(s) max(0, OFFSET - n.l), T(s) = sum over the profile's Gaussians of w exp(-s^2 / (WIDEN v)), s the thickness
+// in mm along the light: from the surface that the shadow map holds to this one, sunk by SINK along its normal, so that a texel
+// of what faces the light is not taken for something in front of it. As published OFFSET is .3 and WIDEN 1; 0 and 2 are what a
+// slab that is lit from behind shows exactly, and add nothing on the near side of a terminator.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "common/frame.glsl"
@@ -16,6 +17,8 @@
 layout(constant_id = 0) const int FIRST = 0;              // entry of the kernel that the Gaussians start at
 layout(constant_id = 1) const int GAUSSIANS = 0;
 layout(constant_id = 2) const bool PRE = false;           // irradiance holds the square root of the colour
+layout(constant_id = 3) const float OFFSET = .3;
+layout(constant_id = 4) const float WIDEN = 1.;
 
 layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
 layout(set = 0, binding = 3, r32ui) uniform readonly uimage2D normal;
@@ -63,13 +66,13 @@ void main() {
         if (light.layer < 0) continue;
         vec3 arriving;
         vec3 l = light_arrives(light, p, arriving);
-        float behind = max(.3 - dot(n, l), 0.);
+        float behind = max(OFFSET - dot(n, l), 0.);
         if (behind == 0.) continue;
         float s = thickness(light, p, n);
         vec3 through = vec3(0.);
         for (int k = 0; k < GAUSSIANS; ++k) {
             vec4 g = kernel.entry[FIRST + k];
-            through += g.rgb * exp2(-1.44269504 * min(s * s / max(g.w, 1e-12), 80.));
+            through += g.rgb * exp2(-1.44269504 * min(s * s / (WIDEN * max(g.w, 1e-12)), 80.));
         }
         sum += arriving * through * min(behind, 1.);
     }

@@ -19,6 +19,10 @@ pub enum Method {
     Gaussians,
     /// Irradiance blurred in screen space by one separable pair of passes (Jimenez et al. 2015).
     Separable,
+    /// Irradiance gathered in screen space from a disc of samples (Christensen & Burley 2015; Golubev 2018).
+    Burley,
+    /// Cosine stretched beyond the terminator as far as curvature scatters it, energy kept (McAuley; Hill 2011).
+    Wrap,
 }
 
 /// Where the surface's colour acts, for methods that scatter light itself (d'Eon & Luebke 2007).
@@ -47,14 +51,18 @@ pub enum SeparableKernel {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Transmittance {
-    /// By the thickness that the shadow map measures, as the authors' code does (Jimenez et al. 2010).
+    /// By the thickness that the shadow map measures, as the authors' code does: exp(-s^2/v), from .3 before the terminator on
+    /// (Jimenez et al. 2010).
     #[default]
-    On,
+    Authors,
+    /// Exact for a slab lit from behind: exp(-s^2/2v), from the terminator on.
+    Slab,
     /// Not.
     Off,
 }
 
-/// How much work a method does; passes and resolution follow from it unless they are given.
+/// How much work a method does; passes and resolution of `pdss` and `moments` follow from it unless they are given. What it means to
+/// the others is said where they are (`methods`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quality {
@@ -214,7 +222,7 @@ pub struct Settings {
     /// Integral behind the look-up table of `pdss` and `preintegrated`.
     #[arg(long, value_enum, default_value_t)]
     pub integral: Integral,
-    /// Where the surface's colour acts, for methods that scatter light itself.
+    /// Where the surface's colour acts, for methods that scatter light itself; with the others it acts where light leaves.
     #[arg(long, value_enum, default_value_t)]
     pub texturing: Texturing,
     /// Kernel of `separable`.

@@ -10,7 +10,10 @@ use gpu_allocator::MemoryLocation;
 use pdss::frame::{FrameError, Output, Renderer};
 use pdss::gpu::{Buffer, Gpu, GpuError, Options};
 use pdss::scene::{Camera, Light, LightKind, LoadOptions, Scene};
-use pdss::settings::{Curvature, Integral, Kernels, Method, Quality, Resolution, Settings, ToneMap, View};
+use pdss::settings::{
+    Curvature, Integral, Kernels, Method, Quality, Resolution, SeparableKernel, Settings, Texturing, ToneMap,
+    Transmittance, View,
+};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
@@ -157,6 +160,11 @@ fn combinations() -> BTreeMap<String, Set> {
         ldr.output = Output::Ldr;
         ldr.settings.tone_map = if method == Method::Pdss { ToneMap::Linear } else { ToneMap::Neutral };
         add("8 bit".into(), ldr);
+        let mut before = torus(method, View::Final, "one");
+        before.settings.texturing = Texturing::PrePost;
+        before.settings.transmittance = Transmittance::Off;
+        before.settings.separable_kernel = SeparableKernel::Authors;
+        add("pre and post".into(), before);
         let mut bare = torus(method, View::Final, "two");
         bare.profile = None;
         add("no profile".into(), bare);

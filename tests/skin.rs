@@ -2,6 +2,8 @@
 //!
 //! Every checker is also shown a wrong answer that looks right, and must catch it.
 
+#[path = "skin/burley.rs"]
+mod burley;
 #[path = "skin/lut.rs"]
 mod lut;
 #[path = "skin/moments.rs"]
@@ -14,6 +16,8 @@ mod penumbra;
 mod profile;
 #[path = "skin/ring.rs"]
 mod ring;
+#[path = "skin/separable.rs"]
+mod separable;
 #[path = "skin/sphere.rs"]
 mod sphere;
 #[path = "skin/twin.rs"]

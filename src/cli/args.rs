@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// What is drawn where no scene is named.
-pub const DEFAULT_SCENE: &str = "shape:torus:70,25";
+pub const DEFAULT_SCENE: &str = "bust";
 /// How things scatter where no profile is named.
 const DEFAULT_PROFILE: &str = "skin";
 /// Vertical field of view where none is given, degrees.
@@ -40,7 +40,7 @@ impl Aim {
 /// The scene and how it is seen.
 #[derive(Debug, Args)]
 pub struct View {
-    /// A .gltf or .glb file, or shape:plane, shape:sphere:R, shape:cylinder:R, shape:torus:R,r, shape:saddle:a,
+    /// A .gltf or .glb file, bust (the head that comes with the program), or shape:plane, shape:sphere:R, shape:cylinder:R, shape:torus:R,r, shape:saddle:a,
     /// shape:cube:a, shape:ellipsoid:a,b,c (mm).
     #[arg(value_name = "SCENE", default_value = DEFAULT_SCENE)]
     scene: String,
@@ -64,7 +64,8 @@ pub struct View {
     /// Diffusion profile: a built-in name, a .toml file, or none.
     #[arg(long, value_name = "NAME|FILE", default_value = DEFAULT_PROFILE)]
     profile: String,
-    /// The one material that has the profile. Default: every opaque dielectric.
+    /// The one material that has the profile. Default: those the file says light passes into,
+    /// else every opaque dielectric.
     #[arg(long, value_name = "NAME")]
     profile_material: Option<String>,
     /// Millimetres in one unit of the file. Default: 1000.

@@ -67,10 +67,10 @@ impl Levels {
         let length_mm = if widest > 0. { widest.sqrt() } else { 1. };
         let mut out = Levels { length_mm, ..Levels::default() };
         match settings.method {
-            // Nothing scatters, or light itself is blurred (`methods::kernel`).
-            Method::Lambert | Method::Gaussians | Method::Separable | Method::Preintegrated => out.sharp = [1.; 3],
             Method::Moments => out.per_gaussian(fit, most_levels(settings), pixels),
             Method::Pdss => out.per_channel(profile, widest, most_levels(settings), pixels),
+            // Nothing scatters, light itself is blurred, or nothing is (`methods::kernel`).
+            _ => out.sharp = [1.; 3],
         }
         out.strides(settings, pixels);
         out.steps(settings, pixels);

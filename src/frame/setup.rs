@@ -108,7 +108,12 @@ impl Setup {
         let lit = matches!(settings.view, View::Final | View::Ao);
         let ao = lit && ((ambient && !settings.no_ao) || settings.view == View::Ao) && !levels.levels.is_empty();
         let wanted = settings.view == View::Curvature || settings.view == View::SoftCurvature;
-        let curvature = wanted || ao || (settings.method == Method::Pdss && blurred) || (all && scatters);
+        let bent = match settings.method {
+            Method::Pdss => blurred,
+            Method::Wrap => diffuses,
+            _ => false,
+        };
+        let curvature = wanted || ao || bent || (all && scatters);
         let why_no_curvature = match (scatters, settings.method) {
             (false, _) => "no material scatters",
             (_, Method::Pdss) if !blurred => "every level projects below a pixel",

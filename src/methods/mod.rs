@@ -1,11 +1,13 @@
 //! The ways to shade: one file a method, its whole frame as a list, one line a stage.
 
+pub mod burley;
 mod gaussians;
 mod lambert;
 mod moments;
 mod pdss;
 pub mod preintegrated;
 pub mod separable;
+mod wrap;
 
 use crate::frame::resources::EXTERNAL;
 use crate::frame::setup::Setup;
@@ -36,6 +38,15 @@ pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
         Method::Preintegrated => preintegrated::frame(&mut plan, s),
         Method::Gaussians => gaussians::frame(&mut plan, s),
         Method::Separable => separable::frame(&mut plan, s),
+        Method::Burley => burley::frame(&mut plan, s),
+        Method::Wrap => wrap::frame(&mut plan, s),
+    }
+    if s.pre_textured() && !plan.has("irradiance") {
+        plan.leave_out(
+            "colour before scattering",
+            "the method scatters no light, so colour acts where light leaves",
+            0,
+        );
     }
     if !s.lit_view() {
         stages::view::add(&mut plan, s);
@@ -53,5 +64,7 @@ pub fn kernel(settings: &Settings, profile: &Profile, least_sigma_mm: f64) -> Ve
         Method::Preintegrated => preintegrated::kernel(profile),
         Method::Gaussians => gaussians::kernel(settings.quality, profile, least_sigma_mm),
         Method::Separable => separable::kernel(settings, profile),
+        Method::Burley => burley::kernel(profile),
+        Method::Wrap => wrap::kernel(profile),
     }
 }

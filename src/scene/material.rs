@@ -25,6 +25,9 @@ pub struct Material {
     pub double_sided: bool,
     /// Index of refraction, at least 1, or 0 for a surface that reflects all (KHR_materials_ior); 1.5 if not given.
     pub ior: f32,
+    /// Whether the file says that light passes into the surface and comes out diffusely
+    /// (KHR_materials_diffuse_transmission with a factor above 0).
+    pub translucent: bool,
     /// Index into the caller's list of profiles; `None` does not scatter. Loaders leave it `None`.
     pub scatter: Option<usize>,
 }
@@ -44,6 +47,7 @@ impl Material {
             alpha: Alpha::Opaque,
             double_sided: false,
             ior: 1.5,
+            translucent: false,
             scatter: None,
         }
     }

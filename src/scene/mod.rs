@@ -113,13 +113,40 @@ pub struct LoadOptions {
     pub keep_uvs: bool,
 }
 
+impl LoadOptions {
+    fn checked_mm_per_unit(&self) -> Result<f64, SceneError> {
+        match self.mm_per_unit.unwrap_or(1000.0) {
+            mm if mm.is_finite() && mm > 0.0 => Ok(mm),
+            value => Err(SceneError::Option {
+                option: "mm_per_unit",
+                value,
+                reason: "it must be positive and finite, such as 1000 for metres",
+            }),
+        }
+    }
+}
+
 impl Scene {
-    /// A scene from what stands on the command line: `shape:...` or the path of a glTF file.
+    /// A scene from what stands on the command line: `bust`, `shape:...` or the path of a glTF file.
     ///
     /// # Errors
-    /// Those of [`Scene::shape`] and [`Scene::load`].
+    /// Those of [`Scene::bust`], [`Scene::shape`] and [`Scene::load`].
     pub fn open(arg: &str, options: &LoadOptions) -> Result<Self, SceneError> {
-        if arg.starts_with("shape:") { Self::shape(arg) } else { Self::load(Path::new(arg), options) }
+        match arg {
+            "bust" => Self::bust(options),
+            _ if arg.starts_with("shape:") => Self::shape(arg),
+            _ => Self::load(Path::new(arg), options),
+        }
+    }
+
+    /// The head and shoulders that come with the program (`assets/bust/README.md` says how they were made): true to
+    /// size, facing +Z, with a camera for a portrait. It is whole in the binary: no file is looked for.
+    ///
+    /// # Errors
+    /// Those of [`Scene::load`] that `options` can cause.
+    pub fn bust(options: &LoadOptions) -> Result<Self, SceneError> {
+        const FILE: &[u8] = include_bytes!("../../assets/bust.glb");
+        gltf::load_bytes(FILE, "bust", options.checked_mm_per_unit()?, options.keep_uvs)
     }
 
     /// Reads a `.gltf` or `.glb` file with the buffers and images it names. The default scene is used, else the first,
@@ -129,15 +156,7 @@ impl Scene {
     /// If a file cannot be read, breaks the format, requires an extension that is not supported, or is larger than
     /// the limits on memory (16 times its bytes and 256 MiB while reading). Never panics on malformed input.
     pub fn load(path: &Path, options: &LoadOptions) -> Result<Self, SceneError> {
-        let mm_per_unit = options.mm_per_unit.unwrap_or(1000.0);
-        if !(mm_per_unit.is_finite() && mm_per_unit > 0.0) {
-            return Err(SceneError::Option {
-                option: "mm_per_unit",
-                value: mm_per_unit,
-                reason: "it must be positive and finite, such as 1000 for metres",
-            });
-        }
-        gltf::load(path, mm_per_unit, options.keep_uvs)
+        gltf::load(path, options.checked_mm_per_unit()?, options.keep_uvs)
     }
 
     /// A built-in shape, such as `shape:torus:70,25` (mm), finely tessellated, with analytic normals and UVs, centred
@@ -149,17 +168,19 @@ impl Scene {
         Ok(shape_mesh::build(text, &text.parse::<ShapeSpec>()?))
     }
 
-    /// Gives the profile with this index to the materials of this name, or, without a name, to every opaque dielectric
-    /// (see [`Material::is_opaque_dielectric`]).
+    /// Gives the profile with this index to the materials of this name. Without a name, to those of which the file says
+    /// that light passes into them ([`Material::translucent`]), or, if it says so of none, to every opaque dielectric (see
+    /// [`Material::is_opaque_dielectric`]).
     ///
     /// # Errors
     /// If no material has the name; the message lists those there are.
     pub fn assign_profile(&mut self, material_name: Option<&str>, profile: usize) -> Result<(), SceneError> {
         let mut found = false;
+        let said = self.materials.iter().any(|m| m.translucent);
         for material in &mut self.materials {
             let chosen = match material_name {
                 Some(name) => material.name == name,
-                None => material.is_opaque_dielectric(),
+                None => material.is_opaque_dielectric() && (material.translucent || !said),
             };
             if chosen {
                 material.scatter = Some(profile);

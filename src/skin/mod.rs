@@ -8,6 +8,7 @@
 //! | [`ring`] | the same on a ring, to reproduce Penner & Borshukov 2011 |
 //! | [`lut`] | either of them as a small table over (mu, curvature) that a GPU samples bilinearly |
 //! | [`moments`] | E max(0, X) of a normal variable: the closed form that needs no table |
+//! | [`burley`] | Burley's normalised diffusion as samples: its inverse distribution, and which one is closest to a profile |
 //! | [`penumbra`] | what the profile makes of a shadow's edge whose penumbra has a known width |
 //! | [`separable`] | the kernel of one separable pair of passes, and what passes through a thin part |
 //! | [`occlusion`] | how much of the sky a concave patch of known curvature hides |
@@ -16,6 +17,7 @@
 //! normal and the light. Irradiance at normal incidence and albedo are one throughout: what is returned is exitance as
 //! a fraction. A channel triple is red, green, blue.
 
+pub mod burley;
 pub mod curvature;
 pub mod lut;
 pub mod moments;

@@ -89,12 +89,14 @@ pub fn of_authors(widest_sigma_mm: f64, taps: u32) -> Vec<Tap> {
     at.iter().enumerate().map(|(i, o)| Tap { offset_mm: o * stretch, weight: weigh(i) }).collect()
 }
 
-/// Share of the light that passes through `thickness_mm` of material: sum of w exp(-s^2 / v) (Jimenez et al. 2010; variances as
-/// denominators without the 2, as published).
-pub fn transmitted(gaussians: &[Gaussian], thickness_mm: f64) -> [f64; 3] {
+/// Share of the light that passes through `thickness_mm` of material: sum of w exp(-s^2 / (`widen` v)).
+///
+/// As published `widen` is 1 (Jimenez et al. 2010, variances as denominators). With 2 it is the profile over distance in space,
+/// integrated over the far side of a slab.
+pub fn transmitted(gaussians: &[Gaussian], thickness_mm: f64, widen: f64) -> [f64; 3] {
     let mut sum = [0.; 3];
     for g in gaussians {
-        let left = if thickness_mm == 0. { 1. } else { (-thickness_mm * thickness_mm / g.variance).exp() };
+        let left = if thickness_mm == 0. { 1. } else { (-thickness_mm * thickness_mm / (widen * g.variance)).exp() };
         (0..3).for_each(|c| sum[c] += g.weight[c] * left);
     }
     sum

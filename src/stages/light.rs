@@ -21,6 +21,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     let shader = match method {
         Method::Pdss => &shaders::LIGHT_PDSS,
         Method::Moments => &shaders::LIGHT_MOMENTS,
+        Method::Wrap => &shaders::LIGHT_WRAP,
         _ => &shaders::LIGHT_LAMBERT,
     };
     let levels = s.levels.levels.len();

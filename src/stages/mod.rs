@@ -4,6 +4,7 @@
 //! [`Plan`]: crate::plan::Plan
 
 pub mod blur;
+pub mod burley;
 pub mod combine;
 pub mod curvature;
 pub mod forward;

@@ -17,11 +17,17 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         plan.leave_out("transmittance", why, 0);
         return;
     }
+    let (offset, widen): (f32, f32) = match s.settings.transmittance {
+        Transmittance::Slab => (0., 2.),
+        _ => (0.3, 1.),
+    };
     let first = tap_rows(s.settings.quality).min(s.kernel.len() as u32);
     let pass = plan
         .compute("transmittance", &shaders::TRANSMITTANCE, Domain::Tiles(tiles::scatter(1)))
         .constant("FIRST", first)
         .constant("GAUSSIANS", s.kernel.len() as u32 - first)
+        .constant("OFFSET", offset.to_bits())
+        .constant("WIDEN", widen.to_bits())
         .constant("PRE", u32::from(s.pre_textured()))
         .bind("normal", s.shading_normal());
     s.specialise_lights(pass);

@@ -1,13 +1,13 @@
 //! Borders, backgrounds, steps in depth, pictures of a pixel.
 use crate::Outcome;
-use crate::studio::{Picture, Set, settings, shape};
-use glam::{Mat4, Vec3};
+use crate::studio::{Picture, Set, plates, settings};
+use glam::Vec3;
 use pdss::gpu::Gpu;
-use pdss::scene::{Aabb, Camera, Light, LightKind, Scene};
+use pdss::scene::{Camera, Light, LightKind};
 use pdss::settings::{Method, Quality, View};
 use std::sync::Arc;
 
-const SCATTERING: [Method; 2] = [Method::Pdss, Method::Moments];
+const SCATTERING: [Method; 5] = [Method::Pdss, Method::Moments, Method::Gaussians, Method::Separable, Method::Burley];
 
 fn bounded(p: &Picture) -> bool {
     p.covered().count() > 0
@@ -67,28 +67,6 @@ pub fn constant(gpu: &Arc<Gpu>) -> Vec<Outcome> {
     all
 }
 
-/// Plates of 80 mm: each a place of its middle and a normal in the plane of x and z.
-fn plates(list: &[(Vec3, f32)]) -> Arc<Scene> {
-    let plane = shape("shape:plane");
-    let mut scene = (*plane).clone();
-    let (positions, normals, indices) = (plane.positions.clone(), plane.normals.clone(), plane.indices.clone());
-    (scene.positions, scene.normals, scene.indices) = (Vec::new(), Vec::new(), Vec::new());
-    for (middle, yaw) in list {
-        // The plane faces +Y; make it face +Z, then turn it.
-        let turn = Mat4::from_rotation_y(*yaw) * Mat4::from_rotation_x(std::f32::consts::FRAC_PI_2);
-        let first = scene.positions.len() as u32;
-        scene
-            .positions
-            .extend(positions.iter().map(|p| (*middle + turn.transform_vector3(Vec3::from(*p) * 0.4)).to_array()));
-        scene.normals.extend(normals.iter().map(|n| turn.transform_vector3(Vec3::from(*n)).to_array()));
-        scene.indices.extend(indices.iter().map(|i| i + first));
-    }
-    scene.uvs = vec![[0.; 2]; scene.positions.len()];
-    scene.bounds = Aabb::around(&scene.positions);
-    scene.draws[0].index_count = scene.indices.len() as u32;
-    Arc::new(scene)
-}
-
 /// A plate covers the left half of the picture; what stands behind it, another plate or nothing, must not matter to it. One
 /// of the two is lit, the other is not.
 pub fn leak(gpu: &Arc<Gpu>) -> Vec<Outcome> {
@@ -102,7 +80,7 @@ pub fn leak(gpu: &Arc<Gpu>) -> Vec<Outcome> {
             for (lit, direction) in [("behind", Vec3::new(1., 0., -0.2)), ("front", Vec3::new(-0.9, 0., 0.6))] {
                 let draw = |list: &[(Vec3, f32)]| {
                     let mut set = Set::new("shape:plane", 200., settings(method, View::Scatter, [128, 96]));
-                    set.scene = plates(list);
+                    set.scene = Arc::new(plates(list));
                     let camera = Camera::orbit(0., 0., 200., Some(glam::DVec3::ZERO), 20., &set.scene);
                     set.camera = camera;
                     let direction = direction.normalize();

@@ -9,7 +9,15 @@ use pdss::scene::{Light, LightKind};
 use pdss::settings::{Ambient, Method, Quality, Resolution, View};
 use std::sync::Arc;
 
-const SCATTERING: [Method; 4] = [Method::Pdss, Method::Moments, Method::Gaussians, Method::Preintegrated];
+const SCATTERING: [Method; 7] = [
+    Method::Pdss,
+    Method::Moments,
+    Method::Preintegrated,
+    Method::Gaussians,
+    Method::Separable,
+    Method::Burley,
+    Method::Wrap,
+];
 
 fn torus(method: Method, view: View) -> Set {
     let mut set = Set::new("shape:torus:70,25", 420., settings(method, view, [120, 90]));
@@ -82,13 +90,17 @@ fn poisoned(gpu: &Arc<Gpu>, set: &Set, at: fn(&Plan) -> usize) -> Picture {
 /// What memory holds before the frame does not matter: nobody uses what nobody has written.
 pub fn unwritten(gpu: &Arc<Gpu>) -> Vec<Outcome> {
     let mut all = Vec::new();
-    for method in [Method::Lambert, Method::Pdss, Method::Moments] {
+    // A forward pass reads no target.
+    let deferred = SCATTERING.into_iter().filter(|m| *m != Method::Preintegrated);
+    for method in std::iter::once(Method::Lambert).chain(deferred) {
         for resolution in [Resolution::Full, Resolution::Quarter] {
             let mut set = torus(method, View::Final);
             set.settings.resolution = Some(resolution);
             let picture = set.linear(gpu);
             let n = picture.differing(&poisoned(gpu, &set, |_| 0));
-            let late = |plan: &Plan| plan.passes.iter().position(|p| p.name == "light").unwrap_or_default();
+            let late = |plan: &Plan| {
+                plan.passes.iter().position(|p| p.name == "light" || p.name == "combine").unwrap_or_default()
+            };
             let off = picture.differing(&poisoned(gpu, &set, late));
             let text = format!("{method:?} {resolution:?}: {n} pixels differ; filled just before lighting: {off}");
             all.push(Outcome { text, holds: n == 0, can_fail: off > 1000 });
@@ -113,7 +125,7 @@ pub fn left_out(gpu: &Arc<Gpu>) -> Vec<Outcome> {
         ("no profile", &|s| s.profile = None),
     ];
     let mut all = Vec::new();
-    for method in [Method::Lambert, Method::Pdss, Method::Moments] {
+    for method in std::iter::once(Method::Lambert).chain(SCATTERING) {
         for (what, change) in &cases {
             let mut set = torus(method, View::Final);
             change(&mut set);

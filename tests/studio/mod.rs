@@ -1,8 +1,9 @@
 //! One device, watched by the validation layers, and frames on it.
 #![allow(dead_code, reason = "shared by several test programs, none of which uses all of it")]
+use glam::{Mat4, Vec3};
 use pdss::frame::{FrameError, Inputs, Output, Renderer};
 use pdss::gpu::{Gpu, Options};
-use pdss::scene::{Camera, Light, Scene};
+use pdss::scene::{Aabb, Camera, Light, Scene};
 use pdss::settings::{Ambient, Method, Settings, Size, View};
 use pdss::skin::profile::{Gaussian, Profile, Shape};
 use std::sync::Arc;
@@ -77,6 +78,28 @@ pub fn shape(text: &str) -> Arc<Scene> {
     let mut scene = Scene::shape(text).expect("a shape");
     scene.assign_profile(None, 0).expect("a material");
     Arc::new(scene)
+}
+
+/// Plates of 80 mm: each a place of its middle and a normal in the plane of x and z.
+pub fn plates(list: &[(Vec3, f32)]) -> Scene {
+    let plane = shape("shape:plane");
+    let mut scene = (*plane).clone();
+    let (positions, normals, indices) = (plane.positions.clone(), plane.normals.clone(), plane.indices.clone());
+    (scene.positions, scene.normals, scene.indices) = (Vec::new(), Vec::new(), Vec::new());
+    for (middle, yaw) in list {
+        // The plane faces +Y; make it face +Z, then turn it.
+        let turn = Mat4::from_rotation_y(*yaw) * Mat4::from_rotation_x(std::f32::consts::FRAC_PI_2);
+        let first = scene.positions.len() as u32;
+        scene
+            .positions
+            .extend(positions.iter().map(|p| (*middle + turn.transform_vector3(Vec3::from(*p) * 0.4)).to_array()));
+        scene.normals.extend(normals.iter().map(|n| turn.transform_vector3(Vec3::from(*n)).to_array()));
+        scene.indices.extend(indices.iter().map(|i| i + first));
+    }
+    scene.uvs = vec![[0.; 2]; scene.positions.len()];
+    scene.bounds = Aabb::around(&scene.positions);
+    scene.draws[0].index_count = scene.indices.len() as u32;
+    scene
 }
 
 /// Settings of a small picture of `view` by `method`.

@@ -4,8 +4,9 @@ use super::json::At;
 use crate::scene::error::Fault;
 
 /// Read and obeyed.
-const SUPPORTED: [&str; 5] = [
+const SUPPORTED: [&str; 6] = [
     "KHR_lights_punctual",
+    "KHR_materials_diffuse_transmission",
     "KHR_materials_ior",
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_mesh_quantization",

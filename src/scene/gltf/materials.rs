@@ -83,6 +83,9 @@ fn read_material(at: &At, index: usize, textures: usize) -> Result<MaterialSourc
         let ior = ior.number("ior")?.unwrap_or(1.5) as f32;
         material.ior = if ior == 0.0 { 0.0 } else { ior.max(1.0) };
     }
+    if let Some(through) = at.extension("KHR_materials_diffuse_transmission")? {
+        material.translucent = through.number("diffuseTransmissionFactor")?.is_some_and(|part| part > 0.0);
+    }
     let mut slots = Vec::new();
     let mut take = |of: &At, key: &str, slot: Slot, factor: &str| {
         let found = read_slot(of, key, slot, factor, textures);

@@ -43,9 +43,19 @@ pub(super) fn load(path: &Path, mm_per_unit: f64, keep_uvs: bool) -> Result<Scen
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let folder = path.parent().unwrap_or(Path::new(""));
     let settings = Settings { folder, mm_per_unit, keep_uvs };
-    match read(&bytes, &settings) {
-        Ok(scene) => Ok(Scene { name: name.unwrap_or_default(), ..scene }),
-        Err(fault) => Err(fault.in_file(&file)),
+    named(read(&bytes, &settings), name.unwrap_or_default(), &file)
+}
+
+/// Reads the bytes of a file that names no other; errors call it by `name`.
+pub(super) fn load_bytes(bytes: &[u8], name: &str, mm_per_unit: f64, keep_uvs: bool) -> Result<Scene, SceneError> {
+    let settings = Settings { folder: Path::new(""), mm_per_unit, keep_uvs };
+    named(read(bytes, &settings), name.to_owned(), name)
+}
+
+fn named(read: Result<Scene, Fault>, name: String, file: &str) -> Result<Scene, SceneError> {
+    match read {
+        Ok(scene) => Ok(Scene { name, ..scene }),
+        Err(fault) => Err(fault.in_file(file)),
     }
 }
 

@@ -1,0 +1,18 @@
+//! burley: viewz, irradiance -> scattered. One pass over a disc of samples.
+
+use super::tiles;
+use crate::frame::setup::Setup;
+use crate::methods::burley::budget;
+use crate::plan::{Domain, Plan};
+use crate::settings::View;
+use crate::shaders;
+
+/// Adds the pass, where the picture shows scattered light.
+pub fn add(plan: &mut Plan, s: &Setup) {
+    if !s.lit_view() || s.settings.view == View::Irradiance {
+        return;
+    }
+    plan.image("scattered", s.size);
+    plan.compute("burley", &shaders::BURLEY, Domain::Tiles(tiles::scatter(1)))
+        .constant("BUDGET", budget(s.settings.quality));
+}

@@ -1,0 +1,153 @@
+//! A small bright spot on a plane: what a method makes of it is the profile that it claims, and more work is less error.
+use crate::studio::{Picture, Set, settings};
+use glam::Vec3;
+use pdss::gpu::Gpu;
+use pdss::scene::{Camera, Light, LightKind};
+use pdss::settings::{Method, Quality, View};
+use pdss::skin::burley::fit_d;
+use pdss::skin::profile::{Gaussian, Profile, Shape};
+use std::f64::consts::TAU;
+use std::sync::{Arc, LazyLock};
+
+/// Pixels on a side, an odd number: the spot is in the middle of one.
+const SIZE: u32 = 129;
+/// Height of the picture, mm.
+const FIELD: f64 = 32.;
+const PIXEL: f64 = FIELD / SIZE as f64;
+const QUALITIES: [Quality; 4] = [Quality::Low, Quality::Medium, Quality::High, Quality::Ultra];
+
+/// Four Gaussians, all wider than a pixel, that quality has something to merge.
+pub fn wide() -> Profile {
+    let g = |variance: f64, weight: [f64; 3]| Gaussian { variance, weight };
+    let list = vec![g(0.2, [0.1, 0.4, 0.6]), g(0.6, [0.2, 0.3, 0.3]), g(1.6, [0.3, 0.2, 0.1]), g(4., [0.4, 0.1, 0.])];
+    Profile { name: "wide".into(), source: String::new(), shape: Shape::Gaussians(list), ior: 1.4, albedo: None }
+}
+
+pub fn set(method: Method, quality: Quality, view: View) -> Set {
+    let mut set = Set::new("shape:plane", 100., settings(method, view, [SIZE, SIZE]));
+    set.camera = Camera::orbit(0., 90., 100., Some(glam::DVec3::ZERO), 30., &set.scene)
+        .with_orthographic(FIELD as f32, &set.scene);
+    let position = Vec3::new(0., 400., 0.);
+    let kind = LightKind::Spot { position, direction: Vec3::NEG_Y, inner_cos: 0.999_998_5, outer_cos: 0.999_997 };
+    set.lights = vec![Light { kind, color: [1.; 3], intensity: 0.16, range_mm: None }];
+    set.profile = Some(wide());
+    set.settings.quality = quality;
+    set.settings.no_shadows = true;
+    set
+}
+
+/// Burley's distances nearest to [`wide`], found once.
+static NEAREST: LazyLock<[f64; 3]> = LazyLock::new(|| fit_d(&wide()));
+
+/// What a method says that a point becomes, 1/mm^2.
+pub type Kernel<'a> = &'a dyn Fn(f64, f64) -> [f64; 3];
+
+/// Each pixel's light spread by a kernel, averaged over a pixel where the kernel is steep.
+pub fn spread(light: &Picture, kernel: Kernel<'_>) -> Picture {
+    let n = SIZE as i32;
+    let cell = |dx: i32, dy: i32| -> [f64; 3] {
+        let fine = if dx.abs().max(dy.abs()) <= 3 { 16 } else { 2 };
+        let mut sum = [0.; 3];
+        for i in 0..fine * fine {
+            let at = |d: i32, i: i32| (f64::from(d) - 0.5 + (f64::from(i) + 0.5) / f64::from(fine)) * PIXEL;
+            let k = kernel(at(dx, i % fine), at(dy, i / fine));
+            (0..3).for_each(|c| sum[c] += k[c] * PIXEL * PIXEL / f64::from(fine * fine));
+        }
+        sum
+    };
+    let table: Vec<[f64; 3]> = (0..4 * n * n).map(|i| cell(i % (2 * n) - n, i / (2 * n) - n)).collect();
+    let bright: Vec<usize> = (0..light.texels.len()).filter(|i| light.texels[*i][0] > 0.).collect();
+    assert!((4..60).contains(&bright.len()), "a small spot: {} pixels", bright.len());
+    let mut out = Picture { size: light.size, texels: vec![[0., 0., 0., 1.]; light.texels.len()] };
+    for (i, texel) in out.texels.iter_mut().enumerate() {
+        for b in &bright {
+            let d = |a: usize, b: usize| a as i32 - b as i32 + n;
+            let k = table
+                [(d(i / SIZE as usize, b / SIZE as usize) * 2 * n + d(i % SIZE as usize, b % SIZE as usize)) as usize];
+            (0..3).for_each(|c| texel[c] += (k[c] * f64::from(light.texels[*b][c])) as f32);
+        }
+    }
+    out
+}
+
+/// Mean of each ring of pixels around the middle.
+pub fn rings(p: &Picture) -> Vec<[f64; 3]> {
+    let middle = SIZE as i32 / 2;
+    let mut rings = vec![([0.; 3], 0.); middle as usize];
+    for (i, t) in p.texels.iter().enumerate() {
+        let (x, y) = (i as i32 % SIZE as i32 - middle, i as i32 / SIZE as i32 - middle);
+        if let Some(ring) = rings.get_mut(f64::from(x * x + y * y).sqrt().round() as usize) {
+            (0..3).for_each(|c| ring.0[c] += f64::from(t[c]));
+            ring.1 += 1.;
+        }
+    }
+    rings.into_iter().map(|(sum, n)| sum.map(|s| s / n)).collect()
+}
+
+/// Share of the light that is in the wrong ring, the worst channel.
+fn misplaced(got: &Picture, want: &Picture) -> f64 {
+    let (got, want) = (rings(got), rings(want));
+    let sum = |f: &dyn Fn(usize) -> f64| (0..got.len()).map(|i| (i as f64).max(0.25) * f(i)).sum::<f64>();
+    (0..3).map(|c| sum(&|i| (got[i][c] - want[i][c]).abs()) / sum(&|i| want[i][c])).fold(0., f64::max)
+}
+
+pub fn gaussian(v: f64, x: f64) -> f64 {
+    (-0.5 * x * x / v).exp() / (TAU * v).sqrt()
+}
+
+/// The round profile; what one separable pair claims, a product; the nearest Burley.
+pub fn claims(method: Method, x: f64, y: f64, stretch: f64) -> [f64; 3] {
+    let (x, y) = (x / stretch, y / stretch);
+    let Shape::Gaussians(list) = wide().shape else { return [0.; 3] };
+    let along = |x: f64| -> [f64; 3] {
+        std::array::from_fn(|c| list.iter().map(|g| g.weight[c] * gaussian(g.variance, x)).sum())
+    };
+    let k = match method {
+        Method::Separable => {
+            let (a, b) = (along(x), along(y));
+            std::array::from_fn(|c| a[c] * b[c])
+        }
+        Method::Burley => {
+            let d = *NEAREST;
+            let r = (x * x + y * y).sqrt().max(1e-9);
+            d.map(|d| ((-r / d).exp() + (-r / (3. * d)).exp()) / (4. * TAU * d * r))
+        }
+        _ => wide().radial((x * x + y * y).sqrt()),
+    };
+    k.map(|k| k / (stretch * stretch))
+}
+
+/// Bounds on what is left at ultra quality, and why it is not less.
+const CASES: [(Method, f64, &str); 3] = [
+    (Method::Gaussians, 0.01, "the sum of Gaussians itself"),
+    (Method::Separable, 0.02, "the product of the profile's integrals along x and y"),
+    (Method::Burley, 0.04, "the nearest Burley over visible pixels"),
+];
+
+/// Lines of a plot: a name and its rings.
+pub type Curves = Vec<(String, Vec<[f64; 3]>)>;
+
+pub fn check(gpu: &Arc<Gpu>) -> (Vec<String>, Curves) {
+    let (mut wrong, mut curves) = (Vec::new(), Curves::new());
+    let light = set(Method::Lambert, Quality::Low, View::Irradiance).linear(gpu);
+    curves.push(("profile".into(), rings(&spread(&light, &|x, y| claims(Method::Gaussians, x, y, 1.)))));
+    for (method, bound, limit) in CASES {
+        let want = spread(&light, &|x, y| claims(method, x, y, 1.));
+        let wider = spread(&light, &|x, y| claims(method, x, y, 1.1));
+        let pictures = QUALITIES.map(|q| set(method, q, View::Scatter).linear(gpu));
+        let errors = pictures.each_ref().map(|p| misplaced(p, &want));
+        let off = misplaced(&pictures[3], &wider);
+        println!(
+            "{method:?}: {errors:.4?} of the light misplaced from low to ultra, limit {limit}; against one a tenth wider {off:.4}"
+        );
+        if errors[3] > bound || errors[3] > errors[0] || errors.windows(2).any(|e| e[1] > e[0] * 1.02 + 1e-3) {
+            wrong.push(format!("{method:?}: {errors:?}, bound {bound}"));
+        }
+        if off < bound {
+            wrong.push(format!("{method:?}: a wider profile passes"));
+        }
+        curves.push((format!("{method:?} claims"), rings(&want)));
+        curves.push((format!("{method:?}, ultra"), rings(&pictures[3])));
+    }
+    (wrong, curves)
+}
