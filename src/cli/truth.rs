@@ -2,6 +2,7 @@
 
 use super::args::{Stage, View};
 use super::failure::Failure;
+use super::progress::Progress;
 use super::{print, say};
 use clap::{Args, ValueEnum};
 use pdss::frame::Output;
@@ -10,9 +11,7 @@ use pdss::settings::View as Show;
 use pdss::skin::occlusion;
 use pdss::truth::ambient;
 use pdss::truth::{self, Checkpoint, Effort, Truth as Answer, Window, metrics};
-use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 use std::time::Duration;
 
 /// Options of `pdss truth`.
@@ -163,8 +162,10 @@ impl Truth {
         let progress = Progress::new();
         let state = self.output.with_extension("exr.state");
         let checkpoint = Checkpoint { file: state.clone(), every: Duration::from_secs_f64(self.save_every) };
-        let answer = truth::resume(&inputs, self.crop, &effort, Some(&checkpoint), |part| progress.show(part))
-            .map_err(|e| Failure::Input(e.to_string()))?;
+        let answer = truth::resume(&inputs, self.crop, &effort, Some(&checkpoint), |part| {
+            progress.show(&format!("truth: {} %", part / 10))
+        })
+        .map_err(|e| Failure::Input(e.to_string()))?;
         drop(progress);
         for warning in &answer.warnings {
             say(&format!("warning: {warning}"));
@@ -200,7 +201,7 @@ impl Truth {
         picture::write_text(&self.output.with_extension("json"), &(text + "\n"))?;
         picture::write_exr(&self.output, size, &answer.pixels)?;
         match std::fs::remove_file(&state) {
-            Err(e) if e.kind() != io::ErrorKind::NotFound => {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
                 say(&format!("warning: {}: {e}; the result is whole, this file may go", state.display()));
             }
             _ => {}
@@ -221,35 +222,6 @@ fn summary(file: &Path, a: &Answer) -> String {
         a.refined,
         a.seconds
     )
-}
-
-/// A line on a terminal that is written over; nothing in a pipe.
-struct Progress {
-    shown: Option<Mutex<usize>>,
-}
-
-impl Progress {
-    fn new() -> Self {
-        Self { shown: io::stderr().is_terminal().then(|| Mutex::new(usize::MAX)) }
-    }
-
-    fn show(&self, thousandths: usize) {
-        let Some(shown) = &self.shown else { return };
-        // Somebody else is already saying so.
-        let Ok(mut last) = shown.try_lock() else { return };
-        if *last != thousandths / 10 {
-            *last = thousandths / 10;
-            let _ = write!(io::stderr(), "\r\x1b[2Ktruth: {} %", *last);
-        }
-    }
-}
-
-impl Drop for Progress {
-    fn drop(&mut self) {
-        if self.shown.is_some() {
-            let _ = write!(io::stderr(), "\r\x1b[2K");
-        }
-    }
 }
 
 fn parse_window(text: &str) -> Result<Window, String> {
