@@ -125,8 +125,10 @@ impl Truth {
         }
         let progress = Progress::new();
         let inputs = stage.inputs(None, Output::Linear);
-        let a = ambient::visibility(&inputs, self.crop, radius, self.rays, |part| progress.show(part))
-            .map_err(|e| Failure::Input(e.to_string()))?;
+        let a = ambient::visibility(&inputs, self.crop, radius, self.rays, |part| {
+            progress.show(&format!("truth: {} %", part / 10));
+        })
+        .map_err(|e| Failure::Input(e.to_string()))?;
         drop(progress);
         let record = AmbientRecord {
             schema: 1,
