@@ -127,5 +127,5 @@ pub fn pdss(n: V3, sharp: [f64; 2], levels: &[Texel], shares: &[V3], length_mm: 
 /// Ambient visibility from the levels' curvature; `radii` are each level's reach in units of the profile's length.
 pub fn ambient(levels: &[Texel], radii: &[f64]) -> f64 {
     let hidden = levels.iter().zip(radii).map(|(l, r)| (1.0, occlusion::from_mean(l.h, *r, Falloff::Quadratic)));
-    occlusion::combine(&hidden.collect::<Vec<_>>(), Combine::Product)
+    occlusion::combine(&hidden.collect::<Vec<_>>(), Combine::Max)
 }

@@ -5,13 +5,14 @@ use super::studio::{Picture, Set, settings, wax};
 use super::{Bench, Measure, Measured, Spread, StressError};
 use crate::frame::Setup;
 use crate::frame::levels::{Level, Step};
-use crate::frame::resources::OCCLUSION_RADIUS_SIGMAS;
+
 use crate::scene::{Camera, Light, LightKind};
 use crate::settings::{Method, Quality, View};
 use crate::skin::blur::{Pass, Screen, Texel, blur};
 use crate::skin::curvature;
 use crate::skin::light::{self, Lamp};
 use crate::skin::lut::Lut;
+use crate::skin::occlusion::RADIUS_SIGMAS;
 
 /// The device's G-buffer, and what the frame was set up as.
 struct Shot {
@@ -93,10 +94,8 @@ impl Shot {
             .iter()
             .map(|(level, t)| light::level_at(&self.screen, t, level.stride as usize, pixel, own.n, own.lit))
             .collect();
-        let radii: Vec<f64> = levels
-            .iter()
-            .map(|(level, _)| reach * OCCLUSION_RADIUS_SIGMAS * level.variance.sqrt() / l.length_mm)
-            .collect();
+        let radii: Vec<f64> =
+            levels.iter().map(|(level, _)| reach * RADIUS_SIGMAS * level.variance.sqrt() / l.length_mm).collect();
         let exitance = match &self.lut {
             Some(lut) => {
                 let shares: Vec<_> = [l.sharp].into_iter().chain(levels.iter().map(|(x, _)| x.share)).collect();
