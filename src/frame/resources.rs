@@ -241,14 +241,11 @@ fn frame_block(inputs: &Inputs<'_>, s: &Setup, lut_knee: f32) -> FrameBlock {
         block.level[i] = four(level.weight, level.variance);
         block.share[i + 1] = four(level.share, 0.);
         // Curvature of a patch is known over a couple of sigma: that far it may occlude.
-        let radius = OCCLUSION_RADIUS_SIGMAS * level.variance.sqrt();
+        let radius = crate::skin::occlusion::RADIUS_SIGMAS * level.variance.sqrt();
         block.occlusion[i] = [(radius / s.levels.length_mm) as f32, 1., 0., 0.];
     }
     block
 }
-
-/// AO radius of a level in sigmas of its blur.
-const OCCLUSION_RADIUS_SIGMAS: f64 = 3.;
 
 fn address(wrap: Wrap) -> vk::SamplerAddressMode {
     match wrap {
