@@ -12,6 +12,7 @@ mod progress;
 mod render;
 mod stress;
 mod truth;
+mod vectors;
 
 use clap::{Parser, Subcommand};
 use failure::Failure;
@@ -46,6 +47,8 @@ enum Command {
     Diff(diff::Diff),
     /// Try every stiff and extreme case and say what holds.
     Stress(stress::Stress),
+    /// Write inputs and outputs of each formula, so that a port can be checked without this program.
+    Vectors(vectors::Vectors),
     /// List the Vulkan devices.
     Devices(devices::Devices),
 }
@@ -61,6 +64,7 @@ pub fn main() -> ExitCode {
         Command::Calibrate(c) => c.run(),
         Command::Diff(c) => c.run(),
         Command::Stress(c) => c.run(),
+        Command::Vectors(c) => c.run(),
         Command::Devices(c) => c.run(),
     };
     match done {
