@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: vergne ESTIMATOR=0; trace ESTIMATOR=1; metric ESTIMATOR=2; fit ESTIMATOR=3
+// variants: vergne ESTIMATOR=0; trace ESTIMATOR=1; metric ESTIMATOR=2; fit ESTIMATOR=3; vergne_mended ESTIMATOR=4
 //
 // Mean curvature H and Gaussian curvature K of the visible surface, from view distances and normals.
 //
@@ -24,6 +24,8 @@
 //         central differences, each axis over the sides that belong to it:      p_u, p_v, n_u, n_v. Exact on spheres.
 // fit     S = (sum w m a^T)(sum w a a^T)^-1, H = tr S/2, K = det sym S,         least squares over tangential steps a
 //         w = |d|^-2 exp(-4 (2h/|d|)^4 - (|d|/24)^4), h off the tangent plane.  and normal changes m.
+// vergne_mended  as vergne, with n_z^.4 and no n_z below .01, times a weight that falls where one of 8 neighbours lies at
+//         another depth.                                                        The author's code for radiance scaling (MeshLab).
 // The f64 twin is src/skin/curvature.rs, `metric` in SPIR-V assembly curvature.spvasm.
 #include "common/frame.glsl"
 #include "common/octahedral.glsl"
@@ -34,6 +36,7 @@
 #define TRACE 1
 #define METRIC 2
 #define FIT 3
+#define VERGNE_MENDED 4
 #ifndef ESTIMATOR
 #define ESTIMATOR METRIC
 #endif
@@ -61,6 +64,8 @@ const float NO_WEIGHT = 1e-12;
 const float ENOUGH_VOTES = 7.5;
 // vergne divides by no smaller n.z: finite, and still far off at a contour.
 const float VERGNE_EPSILON = 1e-6;
+// vergne_mended: exponent and floor of n.z; relative steps of depth that start to be, and are, a silhouette.
+const float MENDED_EXPONENT = .4, MENDED_FLOOR = .01, MENDED_SAME = .03, MENDED_JUMP = .04;
 
 // Curvature in footprints: H q, K q^2, confidence.
 struct Local { float mean, gauss, confidence; };
@@ -112,11 +117,13 @@ float trust(float sides_u, float sides_v) {
     return sides_u * sides_v > 0. ? sides_u * sides_v * .25 : (sides_u + sides_v) * .125;
 }
 
-#if ESTIMATOR == VERGNE || ESTIMATOR == TRACE
+#if ESTIMATOR == VERGNE || ESTIMATOR == TRACE || ESTIMATOR == VERGNE_MENDED
 vec3 differenced(vec3 n) {
 #if ESTIMATOR == VERGNE
     float nz = n.z < 0. ? min(n.z, -VERGNE_EPSILON) : max(n.z, VERGNE_EPSILON);
     return vec3(-n.xy / nz, 0.);
+#elif ESTIMATOR == VERGNE_MENDED
+    return vec3(-n.xy * pow(max(n.z, MENDED_FLOOR), -MENDED_EXPONENT), 0.);
 #else
     return n;
 #endif
@@ -135,6 +142,15 @@ Local measure(Centre c) {
     vec4 u = per_pixel(c, ivec2(1, 0)), v = per_pixel(c, ivec2(0, 1));
 #if ESTIMATOR == VERGNE
     return Local(-.5 * (u.x / c.unit.x + v.y / c.unit.y), 0., trust(u.w, v.w));
+#elif ESTIMATOR == VERGNE_MENDED
+    float near = 0.;
+    for (int k = 0; k < 9; ++k) {
+        if (k == 4) continue;
+        float z = abs(imageLoad(viewz, clamp(c.pixel + ivec2(k % 3, k / 3) - 1, ivec2(0), frame.size - 1)).x);
+        if (z > 0.) near += 1. - smoothstep(MENDED_SAME, MENDED_JUMP, abs(log(z / abs(c.z))));
+    }
+    float weight = clamp(near * .25 - 1., 0., 1.);
+    return Local(-.5 * weight * (u.x / c.unit.x + v.y / c.unit.y), 0., trust(u.w, v.w));
 #else
     float uu = (u.x + c.slope.x * u.z) / c.unit.x, uv = (u.y + c.slope.y * u.z) / c.unit.y;
     float vu = (v.x + c.slope.x * v.z) / c.unit.x, vv = (v.y + c.slope.y * v.z) / c.unit.y;

@@ -1,96 +1,52 @@
-// gather: viewz, normal, mass, shadow, and light blurred on the screen (with DETAIL by the triangles' normals, too) -> target (gathered, of one level).
-// variants: plain DETAIL=0; detail DETAIL=1
-// What a Gaussian of the profile gathers of the light that enters the
-// surface, hidden parts included, of up to two directional lights (those with a slot), over the kernel's mass.
-//
-// In a directional light's view every texel carries the same flux, n.l dA = the texel's area. So the integral of G_v E dA is
-// a mean over the light's plane, and E cancels against none of it:
-//     integral = E0 * mean of exp(-dz^2 / 2v) over offsets o ~ N(0, v) in the plane,
-// dz the distance along the light between the shaded point and what the map holds at o. A plane under any tilt gives its
-// cosine exactly; what the map does not hold is in shadow. The map knows triangles alone: what shading normals add to the
-// light that the camera sees is blurred on the screen, and added.
+// gather: viewz, chart, irradiance, sheets -> scattered. What each pixel's place on the sheets has of every Gaussian, weighted
+// per channel; what is narrower than a texel or a pixel is the pixel's own irradiance.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "common/frame.glsl"
-#include "common/octahedral.glsl"
 #include "common/tiles.glsl"
-#include "common/lights.glsl"
+#include "common/sheet.glsl"
+#include "common/light_code.glsl"
 
-layout(constant_id = 0) const int STRIDE = 1;
-layout(constant_id = 1) const int TAPS = 32;
-layout(constant_id = 2) const int GATHERED = 0;           // which of the gathered levels this is
-
-layout(push_constant, scalar) uniform Push {
-    float variance;        // mm^2
-} push;
+layout(constant_id = 0) const int LEVELS = 1;
 
 layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
-layout(set = 0, binding = 6, r32ui) uniform readonly uimage2D normal;  // the triangle's own where DETAIL
-layout(set = 0, binding = 3, r32ui) uniform writeonly uimage2D target;
-layout(set = 0, binding = 4, r32ui) uniform readonly uimage2D blurred;
-layout(set = 0, binding = 7, rgb10_a2) uniform readonly image2D mass;
-#if DETAIL
-layout(set = 0, binding = 5, r32ui) uniform readonly uimage2D blurred_geo;
-#endif
-layout(set = 0, binding = 29) uniform sampler2DArray shadow;
+layout(set = 0, binding = 3, r32ui) uniform readonly uimage2D chart;
+layout(set = 0, binding = 4, rgba16f) uniform readonly image2D irradiance;
+layout(set = 0, binding = 5, rgba16f) uniform writeonly image2D scattered;
+layout(set = 0, binding = 6, scalar) readonly buffer KernelBlock { vec4 entry[]; } kernel;
+layout(set = 0, binding = 7, rgba16f) uniform readonly image2D sheet1;
+layout(set = 0, binding = 8, rgba16f) uniform readonly image2D sheet2;
+layout(set = 0, binding = 9, rgba16f) uniform readonly image2D sheet3;
+layout(set = 0, binding = 10, rgba16f) uniform readonly image2D sheet4;
+layout(set = 0, binding = 11, rgba16f) uniform readonly image2D sheet5;
+layout(set = 0, binding = 12, rgba16f) uniform readonly image2D sheet6;
 
-// Rows of a directional light's matrix are its axes over the half extents of its box; the third maps onto 0..1.
-float row_length(mat4 m, int row) {
-    return length(vec3(m[0][row], m[1][row], m[2][row]));
-}
-
-// The tangent plane is a control variate: its mean is known, the cosine c, and its samples err as the surface's own do. Its
-// share is the regression of one on the other, so a surface that is not seen by the light takes none of it.
-float gathered(int layer, vec3 position, vec3 n, float c) {
-    mat4 m = lights.shadow_from_view[layer];
-    vec3 s = (m * vec4(position, 1.)).xyz;
-    vec2 scale = sqrt(push.variance) * .5 * vec2(row_length(m, 0), row_length(m, 1));
-    float falloff = sqrt(.5 * 1.44269504 / push.variance) / row_length(m, 2);
-    vec2 at = s.xy * .5 + .5;
-    vec2 slope = vec2(dot(n, vec3(m[0][0], m[1][0], m[2][0])) / row_length(m, 0), dot(n, vec3(m[0][1], m[1][1], m[2][1])) / row_length(m, 1));
-    slope *= sqrt(.5 * 1.44269504) / max(c, 1e-3);
-    // Vogel's spiral: equal areas turned by the golden angle, stretched to a Gaussian.
-    const mat2 turn = mat2(-.737368878, .675490294, -.675490294, -.737368878);
-    vec2 direction = vec2(1., 0.);
-    float sum = 0., plane = 0., both = 0., square = 0.;
-    for (int i = 0; i < TAPS; ++i) {
-        float radius = sqrt(-1.38629436 * log2(1. - (float(i) + .5) / float(TAPS)));
-        vec2 offset = direction * radius;
-        float depth = textureLod(shadow, vec3(at + offset * scale, float(layer)), 0.).r;
-        float dz = (depth - s.z) * falloff, dp = dot(offset, slope);
-        float f = depth > 0. ? exp2(-min(dz * dz, 80.)) : 0., p = exp2(-min(dp * dp, 80.));
-        sum += f;
-        plane += p;
-        both += f * p;
-        square += p * p;
-        direction = turn * direction;
+// Bilinear among the four texels that lie on a chart.
+#define ADD(i) \
+    if (LEVELS >= i) { \
+        vec4 light = vec4(0.); \
+        for (int k = 0; k < 4; ++k) { \
+            vec4 texel = imageLoad(sheet##i, clamp(base + ivec2(k & 1, k >> 1), ivec2(0), size - 1)); \
+            if (texel.a > 0.) light += weight[k] * vec4(texel.rgb, 1.); \
+        } \
+        sum += kernel.entry[i].rgb * (light.a > 0. ? light.rgb / light.a : own); \
     }
-    float share = c > 1e-3 && square > 0. ? min(both / square, 1.) : 0.;
-    return max(sum / float(TAPS) + share * (c - plane / float(TAPS)), 0.);
-}
 
 void main() {
-    ivec2 texel = tile_pixel();
-    if (any(greaterThanEqual(texel * STRIDE, frame.size))) return;
-    ivec2 pixel = STRIDE == 1 ? texel : representative(texel, STRIDE);
-    float z = -imageLoad(viewz, pixel).x;
-    if (z <= 0.) return;
-    vec3 position = view_position(pixel, z);
-    vec3 n = octahedral_decode(imageLoad(normal, pixel).x);
-    float scale = 2. * imageLoad(mass, pixel)[GATHERED];
-    vec2 found = vec2(0.), shares = vec2(0.);
-    for (int i = 0; i < LIGHTS; ++i) {
-        Light light = lights.light[i];
-        if (light.slot < 0) continue;
-        float c = dot(n, light.position);
-        float x = gathered(light.layer, position, n, c) * scale;
-        // At a terminator the light's view sees the surface edge on and few offsets find it; there the camera sees it better.
-        float share = smoothstep(.08, .3, abs(c));
-        if (light.slot == 0) { found.x = x; shares.x = share; } else { found.y = x; shares.y = share; }
-    }
-    vec2 seen = unpackUnorm2x16(imageLoad(blurred, texel).x);
-#if DETAIL
-    found += seen - unpackUnorm2x16(imageLoad(blurred_geo, texel).x);
-#endif
-    imageStore(target, texel, uvec4(packUnorm2x16(mix(seen, found, shares))));
+    ivec2 pixel = tile_pixel();
+    if (any(greaterThanEqual(pixel, frame.size))) return;
+    if (imageLoad(viewz, pixel).x >= 0.) return;
+    vec3 own = imageLoad(irradiance, pixel).rgb, sum = kernel.entry[0].rgb * own;
+    ivec2 size = imageSize(sheet1);
+    vec2 at = sheet_place(unpackUnorm2x16(imageLoad(chart, pixel).x), float(size.x)) - .5;
+    ivec2 base = ivec2(floor(at));
+    vec2 f = at - vec2(base);
+    float weight[4] = float[]((1. - f.x) * (1. - f.y), f.x * (1. - f.y), (1. - f.x) * f.y, f.x * f.y);
+    ADD(1)
+    ADD(2)
+    ADD(3)
+    ADD(4)
+    ADD(5)
+    ADD(6)
+    imageStore(scattered, pixel, light_encode(sum));
 }

@@ -7,12 +7,13 @@
 // bumped   R32_UINT  normal with the normal map, only where the scene has one
 // mass     RGB10_A2  half the reciprocal of the mass of each gathered level, only where light is gathered
 // facet    R32_UINT  normal of the triangle itself, only where shading normals stray from it and light is gathered
-// variants: plain MASS=0 FACET=0; mass MASS=4 FACET=0; mass_facet MASS=4 FACET=5; bumped_mass_facet MASS=5 FACET=6
+// chart    R32_UINT  texture coordinate, 2 x unorm16, only for methods that work over it
+// variants: plain BUMPED=4; chart CHART=4 BUMPED=5; mass MASS=4; mass_facet MASS=4 FACET=5; bumped_mass_facet BUMPED=4 MASS=5 FACET=6
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "common/octahedral.glsl"
-#if MASS
+#ifdef MASS
 #include "common/frame.glsl"
 #endif
 
@@ -27,17 +28,20 @@ layout(location = 0) out float viewz;
 layout(location = 1) out uint normal;
 layout(location = 2) out vec4 albedo;
 layout(location = 3) out vec4 material;
-#if MASS != 4
-layout(location = 4) out uint bumped;
+#ifdef CHART
+layout(location = CHART) out uint chart;
 #endif
-#if MASS
-layout(constant_id = 0) const int FIRST = 0;              // first level that is gathered
+#ifdef BUMPED
+layout(location = BUMPED) out uint bumped;
+#endif
+#ifdef MASS
+layout(constant_id = 0) const int FIRST = 0;            // first level that is gathered
 layout(constant_id = 1) const int LEVELS = 0;
 layout(location = 4) in vec4 kernel_mass;               // of each gathered level, without what a border takes; w: distance to the border, mm
 layout(location = MASS) out vec4 mass;
-#if FACET
-layout(location = FACET) out uint facet;
 #endif
+#ifdef FACET
+layout(location = FACET) out uint facet;
 #endif
 
 void main() {
@@ -51,17 +55,17 @@ void main() {
     normal = octahedral_encode(n);
     albedo = vec4(sqrt(clamp(base.rgb, 0., 1.)), push.scatter);
     material = vec4(material_rough_metal(uv), material_occlusion(uv), sqrt(push.reflectance));
-#if MASS != 4
+#ifdef BUMPED
     bumped = octahedral_encode(b);
 #endif
-#if MASS
+#ifdef MASS
     // A Gaussian cut by a straight border (src/skin/mass.rs, beside_border).
     vec3 whole = kernel_mass.rgb;
     for (int k = FIRST; k < LEVELS; ++k) {
         float x = kernel_mass.w * inversesqrt(frame.level[k].w);
         whole[k - FIRST] /= 1. + exp2(-x * (2.30485 + .101797 * x * x));
     }
-#if FACET
+#ifdef FACET
     vec3 p = view_position(ivec2(gl_FragCoord.xy), view_distance);
     vec3 f = cross(dFdx(p), dFdy(p));
     float ff = dot(f, f);
@@ -69,5 +73,8 @@ void main() {
     facet = octahedral_encode(dot(f, view_direction(p)) < 0. ? -f : f);
 #endif
     mass = vec4(.5 / max(whole, .5), 0.);
+#endif
+#ifdef CHART
+    chart = packUnorm2x16(uv);
 #endif
 }

@@ -174,7 +174,8 @@ void main() {
     FETCH(4, STRIDE4)
     FETCH(5, STRIDE5)
     if (AO && scatters) {
-        for (int i = 0; i < LEVELS; ++i) ao *= 1. - frame.occlusion[i].y * occlusion_of(level[i].h * frame.occlusion[i].x);
+        // The level that sees most: narrower ones see the same occluders again.
+        for (int i = 0; i < LEVELS; ++i) ao = min(ao, 1. - frame.occlusion[i].y * occlusion_of(level[i].h * frame.occlusion[i].x));
     }
     if (OUTPUT == OUTPUT_AO) {
         finish(pixel, vec3(ao));

@@ -27,7 +27,7 @@ layout(set = 0, binding = 5, rgba16f) uniform image2D irradiance;
 // rgb weight, w variance in mm^2.
 layout(set = 0, binding = 6, scalar) readonly buffer KernelBlock { vec4 entry[]; } kernel;
 
-const float SINK = .6;   // mm
+const float SINK = .22;  // of the profile's length; .6 mm of skin's
 
 // Thickness in mm along the light, bilinear; 0 where nothing lies in front.
 float thickness(Light light, vec3 position, vec3 normal) {
@@ -35,7 +35,7 @@ float thickness(Light light, vec3 position, vec3 normal) {
     vec3 d = position - light.position;
     if (!ALL_DIRECTIONAL && light.kind == LIGHT_POINT) layer += shadow_face(mat3(frame.world_from_view) * d);
     mat4 m = lights.shadow_from_view[layer];
-    vec4 q = m * vec4(position - normal * SINK, 1.);
+    vec4 q = m * vec4(position - normal * (SINK * frame.length_mm), 1.);
     bool parallel = ALL_DIRECTIONAL || light.kind == LIGHT_DIRECTIONAL;
     if (!parallel && q.w <= 0.) return 1e9;
     vec2 size = vec2(textureSize(shadow, 0).xy), at = (q.xy / q.w * .5 + .5) * size - .5, base = floor(at), f = at - base;
@@ -72,7 +72,7 @@ void main() {
         vec3 through = vec3(0.);
         for (int k = 0; k < GAUSSIANS; ++k) {
             vec4 g = kernel.entry[FIRST + k];
-            through += g.rgb * exp2(-1.44269504 * min(s * s / (WIDEN * max(g.w, 1e-12)), 80.));
+            through += g.rgb * exp2(-1.44269504 * min(s * s / (WIDEN * max(g.w, 1e-30)), 80.));
         }
         sum += arriving * through * min(behind, 1.);
     }

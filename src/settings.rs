@@ -15,6 +15,8 @@ pub enum Method {
     Moments,
     /// Forward: one look-up by the surface's curvature, blurred normal maps and shadow edges (Penner & Borshukov 2011).
     Preintegrated,
+    /// Irradiance blurred over texture coordinates by a cascade of Gaussians (d'Eon & Luebke 2007).
+    TextureSpace,
     /// Irradiance blurred in screen space, a separable pair of passes a Gaussian (Jimenez & Gutierrez 2010).
     Gaussians,
     /// Irradiance blurred in screen space by one separable pair of passes (Jimenez et al. 2015).
@@ -90,6 +92,8 @@ pub enum Curvature {
     Metric,
     /// Eight neighbours, weighted least squares.
     Fit,
+    /// Vergne's as its author's own code tames it: a lower power of n.z, nothing at silhouettes.
+    VergneMended,
 }
 
 /// Where `preintegrated` has its curvature from.

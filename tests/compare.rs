@@ -144,6 +144,25 @@ fn a_run_is_whole_goes_on_where_it_stopped_and_adds_up_from_its_parts() -> Outco
         |name: &str| -> Result<usize, std::io::Error> { Ok(std::fs::read_dir(at(name).join("pictures"))?.count()) };
     assert_eq!(pictures("merged")?, pictures("whole")?);
 
+    // One thing changed, all else held.
+    let out = compare(&["torus"], &at("swept"), &["--cache", &cache, "--sweep", "resolution"])?;
+    assert!(out.status.success(), "{}", stderr(&out));
+    let swept = table(&at("swept").join("results.csv"))?;
+    let widths: Vec<&str> = swept.iter().filter(|r| r["method"] == "moments").map(|r| r["width"].as_str()).collect();
+    assert_eq!(widths, ["10", "20", "30", "40"]);
+    check(
+        &std::fs::read_to_string(at("swept").join("report.html"))?,
+        &Sheet::read(&std::fs::read_to_string(at("swept").join("results.csv"))?),
+    )
+    .map_err(|wrong| wrong.join("\n"))?;
+
+    // Half a cell is neither taken for one nor thrown away unasked.
+    let half = at("swept").join("cells").join(swept[0]["key"].clone() + ".json");
+    let text = std::fs::read(&half)?;
+    std::fs::write(&half, &text[..text.len() / 2])?;
+    let out = compare(&["torus"], &at("swept"), &["--cache", &cache, "--sweep", "resolution"])?;
+    assert_eq!(fault(&out, "cut short"), None);
+
     // What is not one result is not made one.
     let spoil = |name: &str, from: &str, to: &str| -> Outcome {
         std::fs::create_dir_all(at(name))?;

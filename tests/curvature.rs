@@ -85,10 +85,16 @@ fn estimators_against_analytic_surfaces() {
                 out.n,
                 band.n
             );
-            let verdict = accurate(out).and(if e == Estimator::Vergne { Ok(()) } else { accurate(k) });
+            let verdict = accurate(out).and(if matches!(e, Estimator::Vergne | Estimator::VergneMended) {
+                Ok(())
+            } else {
+                accurate(k)
+            });
             match e {
                 // The rival is off everywhere but face on, and by more than the object's whole curvature at contours.
                 Estimator::Vergne => assert!(!curved(p.shape) || (verdict.is_err() && band.p99 > 10.0), "{name}"),
+                // Tamed, it is smaller, and as little the mean curvature.
+                Estimator::VergneMended => assert!(!curved(p.shape) || verdict.is_err(), "{name}"),
                 Estimator::Trace => assert_eq!(verdict, Ok(()), "{name}: trace"),
                 Estimator::Metric | Estimator::Fit => {
                     assert_eq!(verdict, Ok(()), "{name}: {}", e.name());

@@ -40,7 +40,8 @@ const VIEWS: [View; 14] = [
 const QUALITIES: [Quality; 4] = [Quality::Low, Quality::Medium, Quality::High, Quality::Ultra];
 const RESOLUTIONS: [Option<Resolution>; 4] =
     [None, Some(Resolution::Full), Some(Resolution::Half), Some(Resolution::Quarter)];
-const ESTIMATORS: [Curvature; 4] = [Curvature::Vergne, Curvature::Trace, Curvature::Metric, Curvature::Fit];
+const ESTIMATORS: [Curvature; 5] =
+    [Curvature::Vergne, Curvature::Trace, Curvature::Metric, Curvature::Fit, Curvature::VergneMended];
 
 /// Ways to light the scene.
 const LIGHTS: [&str; 7] = ["one", "two", "point", "spot", "none", "no shadows", "three"];

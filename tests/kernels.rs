@@ -5,12 +5,14 @@ mod rig;
 use analytic::{Picture, Shape, Shot};
 use pdss::gpu::{Gpu, Options};
 use pdss::shaders::{
-    CURVATURE_FIT, CURVATURE_METRIC, CURVATURE_SPIRV, CURVATURE_TRACE, CURVATURE_VERGNE, Shader, ShaderStage,
+    CURVATURE_FIT, CURVATURE_METRIC, CURVATURE_SPIRV, CURVATURE_TRACE, CURVATURE_VERGNE, CURVATURE_VERGNE_MENDED,
+    Shader, ShaderStage,
 };
 use pdss::skin::curvature::{Estimator, estimate};
 use rig::{Rig, decoded};
 
-const KERNELS: [(&Shader, Estimator); 5] = [
+const KERNELS: [(&Shader, Estimator); 6] = [
+    (&CURVATURE_VERGNE_MENDED, Estimator::VergneMended),
     (&CURVATURE_VERGNE, Estimator::Vergne),
     (&CURVATURE_TRACE, Estimator::Trace),
     (&CURVATURE_METRIC, Estimator::Metric),

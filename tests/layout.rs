@@ -56,7 +56,7 @@ fn twin(shader: &Shader, block: &Block) -> Option<Layout> {
         (_, "Light") => {
             layout!(LightEntry { position, kind, color, range_mm, axis, inner_cos, outer_cos, layer, texel_mm, slot })
         }
-        ("gbuffer" | "forward", "Push") => layout!(MaterialPush {
+        ("gbuffer" | "forward" | "unwrap", "Push") => layout!(MaterialPush {
             base_color,
             roughness,
             metallic,
@@ -66,7 +66,7 @@ fn twin(shader: &Shader, block: &Block) -> Option<Layout> {
             reflectance,
             scatter,
         }),
-        ("blur" | "gather", "Push") => single("variance"),
+        ("blur" | "translucent", "Push") => single("variance"),
         ("shadow", "Push") => single("layer"),
         // A list of tiles starts with what `stages::tiles` resets it to: four words.
         (_, "TileBlock" | "SurfaceTiles" | "ScatterTiles") => {
@@ -76,6 +76,7 @@ fn twin(shader: &Shader, block: &Block) -> Option<Layout> {
         // Arrays of vec4, and nothing before them.
         ("lut_probe", "QueryBlock") => Layout { size: 0, members: vec![("query", 0)] },
         ("lut_probe", "AnswerBlock") => Layout { size: 0, members: vec![("answer", 0)] },
+        ("seams", "GutterBlock") => Layout { size: 0, members: vec![("texel", 0)] },
         (_, "KernelBlock") => Layout { size: 0, members: vec![("entry", 0)] },
         _ => return None,
     })

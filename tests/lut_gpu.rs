@@ -2,66 +2,17 @@
 //! in f64.
 mod studio;
 
-use ash::vk;
-use gpu_allocator::MemoryLocation;
-use pdss::frame::uniforms::FrameBlock;
-use pdss::gpu::commands::{Guarded, Recorder};
-use pdss::gpu::image::{Image, ImageDesc, Sampler};
-use pdss::gpu::pass::Bound;
-use pdss::gpu::pipeline::Pipeline;
-use pdss::gpu::usage::State;
-use pdss::gpu::{Buffer, Gpu, Usage};
-use pdss::shaders::LUT_PROBE;
+use pdss::gpu::Gpu;
 use pdss::skin::lut::{Integral, Lut};
 use pdss::skin::moments;
 use pdss::skin::profile::Profile;
+use pdss::stress::probe::ask;
 use std::path::Path;
 use std::sync::Arc;
 
-fn host(gpu: &Arc<Gpu>, name: &str, bytes: &[u8], usage: vk::BufferUsageFlags) -> Buffer {
-    let mut b = Buffer::new(gpu, name, bytes.len() as u64, usage, MemoryLocation::CpuToGpu).expect("a buffer");
-    b.write(bytes).expect("mapped");
-    b
-}
-
 /// Answers of the device: the table's rgb at (mu, curvature), and rectified(mean, spread).
 fn probe(gpu: &Arc<Gpu>, lut: &Lut, queries: &[[f32; 4]]) -> Vec<[f32; 4]> {
-    use vk::{BufferUsageFlags as B, ImageUsageFlags as I};
-    let pipeline = Pipeline::compute(gpu, "lut probe", &LUT_PROBE, &[]).expect("a pipeline");
-    let mut block: FrameBlock = bytemuck::Zeroable::zeroed();
-    block.lut_knee = lut.knee_per_mm as f32;
-    let frame = host(gpu, "frame", bytemuck::bytes_of(&block), B::UNIFORM_BUFFER);
-    let asked = host(gpu, "queries", bytemuck::cast_slice(queries), B::STORAGE_BUFFER);
-    let bytes = size_of_val(queries) as u64;
-    let answers = Buffer::new(gpu, "answers", bytes, B::STORAGE_BUFFER, MemoryLocation::GpuToCpu).expect("a buffer");
-    let (size, halves) = lut.planes();
-    let staging = host(gpu, "staging", bytemuck::cast_slice(&halves), B::TRANSFER_SRC);
-    let desc = ImageDesc::new("lut", vk::Format::R16_SFLOAT, size, I::SAMPLED | I::TRANSFER_DST);
-    let image = Image::new(gpu, desc).expect("an image");
-    let edge = [vk::SamplerAddressMode::CLAMP_TO_EDGE; 2];
-    let sampler = Sampler::new(gpu, "linear", vk::Filter::LINEAR, edge, false).expect("a sampler");
-
-    let mut recorder = Recorder::new(gpu, None).expect("a recorder");
-    let (mut table, mut result) = (State::NEW, State::NEW);
-    let before: Vec<_> = table.next(Usage::CopyTo, true).map(|b| (Guarded::Image(&image), b)).into_iter().collect();
-    recorder.pass("upload", &before).upload(&staging, &image, &[(0, size)]);
-    let before: Vec<_> =
-        table.next(Usage::ComputeSampled, true).map(|b| (Guarded::Image(&image), b)).into_iter().collect();
-    result.next(Usage::ComputeWrite, false);
-    let mut pass = recorder.pass("probe", &before);
-    pass.dispatch_over(&pipeline, [queries.len() as u32, 1], &[], |name| match name {
-        "frame" => Some(Bound::Buffer(&frame)),
-        "queries" => Some(Bound::Buffer(&asked)),
-        "answers" => Some(Bound::Buffer(&answers)),
-        "lut" => Some(Bound::Sampled(&image, &sampler)),
-        _ => None,
-    })
-    .expect("everything is bound");
-    drop(pass);
-    let after: Vec<_> = result.next(Usage::Host, false).map(|b| (Guarded::Buffer(&answers), b)).into_iter().collect();
-    drop(recorder.pass("to host", &after));
-    recorder.finish().expect("recorded").run().expect("the probe ran");
-    bytemuck::cast_slice(&answers.bytes().expect("mapped")[..bytes as usize]).to_vec()
+    ask(gpu, lut, queries).expect("the probe runs")
 }
 
 /// Radius, angle and colour of each line of a table in `shared/tables`; red stands in column `red`.

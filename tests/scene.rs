@@ -3,6 +3,8 @@
 
 #[path = "scene/appearance.rs"]
 mod appearance;
+#[path = "scene/atlas.rs"]
+mod atlas;
 #[path = "scene/cameras.rs"]
 mod cameras;
 #[path = "scene/check.rs"]

@@ -27,10 +27,10 @@ float moment(vec3 n, vec3 l) {
 }
 
 // How far a cosine is wrapped on a sphere whose radius is 1 / x of Burley's d, so that max(0, mu + w) / (1 + w)^2 is near what the
-// sphere scatters: a fit, .055 rms at worst. Twin in f64: src/skin/burley.rs.
+// sphere scatters: a fit, .051 rms at worst. Twin in f64: src/skin/burley.rs.
 vec3 wrap_of(vec3 x) {
-    vec3 t = pow(min(x, 1e6), vec3(1.2997));
-    return 2.0246 * t / (1. + 1.3543 * t);
+    vec3 t = pow(min(x, 1e6), vec3(1.8307));
+    return 5.3052 * t / (1. + 4.6665 * t);
 }
 
 // Occlusion of a concave patch within R by its mean curvature alone, quadratic falloff: 5/16 (H R)^2, between a bowl's 1/4

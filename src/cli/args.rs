@@ -8,7 +8,7 @@ use pdss::frame::{Inputs, Output};
 use pdss::gpu::timing::TimingMode;
 use pdss::gpu::{Gpu, GpuError, Options};
 use pdss::scene::{Camera, Light, LoadOptions, Scene};
-use pdss::settings::Settings;
+use pdss::settings::{Method, Settings};
 use pdss::skin::profile::Profile;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -129,7 +129,8 @@ impl Stage {
 impl View {
     /// Loads the scene and the profile, places the camera and the lights.
     pub fn load(&self) -> Result<Stage, Failure> {
-        let options = LoadOptions { mm_per_unit: self.mm_per_unit, ..LoadOptions::default() };
+        let options =
+            LoadOptions { mm_per_unit: self.mm_per_unit, keep_uvs: self.settings.method == Method::TextureSpace };
         let profile = match self.profile.as_str() {
             "none" => None,
             name => Some(Profile::resolve(name)?),

@@ -7,11 +7,13 @@ mod devices;
 mod diff;
 mod explain;
 mod failure;
+mod figure1;
 mod profile;
 mod progress;
 mod render;
 mod stress;
 mod truth;
+mod vectors;
 
 use clap::{Parser, Subcommand};
 use failure::Failure;
@@ -38,6 +40,8 @@ enum Command {
     Explain(explain::Explain),
     /// Integrate the converged answer that methods are held against; needs no device.
     Truth(truth::Truth),
+    /// Make the poster's first figure: our picture at every quality, curvature by every estimator.
+    Figure1(figure1::Figure1),
     /// Hold all methods against truth and against the clock: error against run time.
     Compare(compare::Compare),
     /// Measure this device, so that render can choose a method for --budget-ms or --max-error.
@@ -46,6 +50,8 @@ enum Command {
     Diff(diff::Diff),
     /// Try every stiff and extreme case and say what holds.
     Stress(stress::Stress),
+    /// Write inputs and outputs of each formula, so that a port can be checked without this program.
+    Vectors(vectors::Vectors),
     /// List the Vulkan devices.
     Devices(devices::Devices),
 }
@@ -57,10 +63,12 @@ pub fn main() -> ExitCode {
         Command::Profile(c) => c.run(),
         Command::Explain(c) => c.run(),
         Command::Truth(c) => c.run(),
+        Command::Figure1(c) => c.run(),
         Command::Compare(c) => c.run(),
         Command::Calibrate(c) => c.run(),
         Command::Diff(c) => c.run(),
         Command::Stress(c) => c.run(),
+        Command::Vectors(c) => c.run(),
         Command::Devices(c) => c.run(),
     };
     match done {

@@ -2,6 +2,7 @@
 
 use super::args::{self, Stage, View};
 use super::failure::Failure;
+use super::progress::Progress;
 use super::{print, print_json};
 use clap::{Args, ValueEnum};
 use pdss::frame::{FrameError, Output, Renderer};
@@ -11,7 +12,6 @@ use pdss::report::measure::{self, Warmup};
 use pdss::report::record::{Record, Subject};
 use pdss::report::{table, trace};
 use pdss::settings::{self, Method};
-use std::io::{self, IsTerminal, Write};
 use std::sync::Arc;
 
 /// Options of `pdss profile`.
@@ -67,9 +67,9 @@ impl Profile {
         let covered_pixels = covered(gpu, stage).ok();
         let mut renderer = Renderer::new(gpu, stage.inputs(Some(self.timing), Output::Ldr))?;
         let warmup = self.warmup.map_or(Warmup::Settle, |n| Warmup::Exactly(n as usize));
-        let progress = Progress { shown: io::stderr().is_terminal() };
+        let progress = Progress::new();
         let (warmed, samples) =
-            measure::measure(&mut renderer, warmup, self.frames as usize, |done, all| progress.show(done, all))?;
+            measure::measure(&mut renderer, warmup, self.frames as usize, |done, all| progress.show(&turn(done, all)))?;
         drop(progress);
         let subject = Subject {
             scene: stage.name.clone(),
@@ -98,31 +98,7 @@ fn covered(gpu: &Arc<Gpu>, stage: &Stage) -> Result<u64, FrameError> {
     Ok(renderer.linear()?.iter().filter(|p| p[3] > 0.).count() as u64)
 }
 
-/// A line on a terminal that is written over; nothing in a pipe.
-struct Progress {
-    shown: bool,
-}
-
-impl Progress {
-    fn show(&self, done: usize, all: usize) {
-        match (self.shown, all) {
-            (false, _) => {}
-            (true, 0) => self.write(&format!("warming up: frame {}", done + 1)),
-            (true, _) => self.write(&format!("frame {} of {all}", done + 1)),
-        }
-    }
-
-    fn write(&self, text: &str) {
-        // Carriage return and "erase the line"; a terminal that is gone is no fault.
-        let _ = write!(io::stderr(), "\r\x1b[2K{text}").and_then(|()| io::stderr().flush());
-    }
-}
-
-impl Drop for Progress {
-    /// What comes next, an error too, starts on a clean line.
-    fn drop(&mut self) {
-        if self.shown {
-            self.write("");
-        }
-    }
+/// Frames done and all frames; none at all while warming up.
+fn turn(done: usize, all: usize) -> String {
+    if all == 0 { format!("warming up: frame {}", done + 1) } else { format!("frame {} of {all}", done + 1) }
 }

@@ -8,6 +8,7 @@ use pdss::compare::calibration::Wish;
 use pdss::compare::columns::significant;
 use pdss::frame::{FrameError, Output, Renderer};
 use pdss::gpu::Gpu;
+use pdss::gpu::timing::TimingMode;
 use pdss::report::measure::{self, Warmup};
 use pdss::report::picture::{self, Format};
 use pdss::report::stats::Summary;
@@ -96,7 +97,7 @@ fn choose(gpu: &Arc<Gpu>, stage: &mut Stage, wish: Wish) -> Result<(), Failure> 
         };
         (stage.settings.method, stage.settings.quality) = (method, quality);
         let name = format!("{} {}", setting.method, setting.quality);
-        let took = match trial(gpu, stage)? {
+        let took = match trial(gpu, stage, calibration.clock == "device")? {
             Ok(ms) => ms,
             Err(why) => {
                 tried.push(format!("{name} {why}"));
@@ -120,14 +121,15 @@ fn choose(gpu: &Arc<Gpu>, stage: &mut Stage, wish: Wish) -> Result<(), Failure> 
     Err(Failure::Input(format!("nothing that was expected to fit did on this scene: {}", tried.join("; "))))
 }
 
-/// The median frame time of the stage as it is, ms; or why its method does not draw it.
-fn trial(gpu: &Arc<Gpu>, stage: &Stage) -> Result<Result<f64, String>, Failure> {
-    let mut renderer = match Renderer::new(gpu, stage.inputs(None, Output::Ldr)) {
+/// The median frame time of the stage as it is, ms, on the clock that it was calibrated by; or why its method does not draw it.
+fn trial(gpu: &Arc<Gpu>, stage: &Stage, stamps: bool) -> Result<Result<f64, String>, Failure> {
+    let timing = stamps.then_some(TimingMode::Overlap);
+    let mut renderer = match Renderer::new(gpu, stage.inputs(timing, Output::Ldr)) {
         Ok(renderer) => renderer,
         Err(FrameError::Gpu(error)) => return Err(error.into()),
         Err(refusal) => return Ok(Err(refusal.to_string())),
     };
     let (_, samples) = measure::measure(&mut renderer, Warmup::Exactly(TRIAL.0), TRIAL.1, |_, _| {})?;
-    let wall: Vec<Option<f64>> = samples.wall_ms.into_iter().map(Some).collect();
-    Ok(Ok(Summary::of(&wall).map_or(f64::INFINITY, |s| s.median)))
+    let times = if stamps { samples.gpu_ms() } else { samples.wall_ms.into_iter().map(Some).collect() };
+    Ok(Ok(Summary::of(&times).map_or(f64::INFINITY, |s| s.median)))
 }

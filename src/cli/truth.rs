@@ -1,15 +1,17 @@
 //! `pdss truth`: the converged answer, with its own error.
 
-use super::args::View;
+use super::args::{Stage, View};
 use super::failure::Failure;
+use super::progress::Progress;
 use super::{print, say};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use pdss::frame::Output;
 use pdss::report::picture;
+use pdss::settings::View as Show;
+use pdss::skin::occlusion;
+use pdss::truth::ambient;
 use pdss::truth::{self, Checkpoint, Effort, Truth as Answer, Window, metrics};
-use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 use std::time::Duration;
 
 /// Options of `pdss truth`.
@@ -36,6 +38,34 @@ pub struct Truth {
     /// Least seconds between two writes of the state that an interrupted run goes on from: FILE with .state, removed when done.
     #[arg(long, value_name = "S", default_value_t = 15., value_parser = parse_seconds)]
     save_every: f64,
+    /// Occlusion radius of --view ao, mm. Default: the widest level's, three sigma of the profile's widest Gaussian.
+    #[arg(long, value_name = "MM", value_parser = parse_length)]
+    radius: Option<f64>,
+    /// Rays a pixel of --view ao.
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = parse_rays)]
+    rays: usize,
+}
+
+/// What is written beside an ambient picture.
+#[derive(serde::Serialize)]
+struct AmbientRecord<'a> {
+    schema: u32,
+    method: &'static str,
+    scene: &'a str,
+    size: [u32; 2],
+    window: Window,
+    falloff: &'static str,
+    radius_mm: f64,
+    rays: usize,
+    error: AmbientError,
+    covered_pixels: usize,
+    seconds: f64,
+}
+
+#[derive(serde::Serialize)]
+struct AmbientError {
+    rms: f64,
+    p99: f64,
 }
 
 /// What is written beside the picture.
@@ -69,13 +99,75 @@ impl Truth {
             return Err(Failure::Input(format!("{}: truth is written as .exr", self.output.display())));
         }
         let stage = self.view.load()?;
+        match stage.settings.view {
+            Show::Final | Show::Scatter => self.exitance(&stage),
+            Show::Ao => self.ambient(&stage),
+            other => {
+                let name = other.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
+                Err(Failure::Input(format!(
+                    "--view {name}: truth knows scatter (exitance) and ao (visibility of the sky)"
+                )))
+            }
+        }
+    }
+
+    /// Visibility of the sky by cast rays.
+    fn ambient(&self, stage: &Stage) -> Result<(), Failure> {
+        let widest = stage
+            .profile
+            .as_ref()
+            .map_or(0., |p| p.gaussians().gaussians.iter().map(|g| g.variance.sqrt()).fold(0., f64::max));
+        let radius = self.radius.unwrap_or(occlusion::RADIUS_SIGMAS * widest);
+        if radius <= 0. {
+            return Err(Failure::Input(
+                "--view ao: a profile that does not scatter has no radius; give --radius MM".to_owned(),
+            ));
+        }
+        let progress = Progress::new();
+        let inputs = stage.inputs(None, Output::Linear);
+        let a = ambient::visibility(&inputs, self.crop, radius, self.rays, |part| {
+            progress.show(&format!("truth: {} %", part / 10));
+        })
+        .map_err(|e| Failure::Input(e.to_string()))?;
+        drop(progress);
+        let record = AmbientRecord {
+            schema: 1,
+            method: "ambient truth",
+            scene: &stage.name,
+            size: stage.size(),
+            window: a.window,
+            falloff: "quadratic: 1 - (t/R)^2",
+            radius_mm: a.radius_mm,
+            rays: a.rays,
+            error: AmbientError { rms: a.rms, p99: a.p99 },
+            covered_pixels: a.pixels.iter().filter(|p| p[3] > 0.).count(),
+            seconds: a.seconds,
+        };
+        let text = serde_json::to_string_pretty(&record).map_err(|e| Failure::Run(format!("writing JSON: {e}")))?;
+        picture::write_text(&self.output.with_extension("json"), &(text + "\n"))?;
+        picture::write_exr(&self.output, [a.window.width, a.window.height], &a.pixels)?;
+        print(&format!(
+            "{}: rms error {:.2e} (p99 {:.2e}), {} rays up to {:.3} mm, {:.1} s\n",
+            self.output.display(),
+            a.rms,
+            a.p99,
+            a.rays,
+            a.radius_mm,
+            a.seconds
+        ))
+    }
+
+    /// The scattered light.
+    fn exitance(&self, stage: &Stage) -> Result<(), Failure> {
         let inputs = stage.inputs(None, Output::Linear);
         let effort = Effort { samples: self.samples, max_error: self.max_error, opening: self.opening };
         let progress = Progress::new();
         let state = self.output.with_extension("exr.state");
         let checkpoint = Checkpoint { file: state.clone(), every: Duration::from_secs_f64(self.save_every) };
-        let answer = truth::resume(&inputs, self.crop, &effort, Some(&checkpoint), |part| progress.show(part))
-            .map_err(|e| Failure::Input(e.to_string()))?;
+        let answer = truth::resume(&inputs, self.crop, &effort, Some(&checkpoint), |part| {
+            progress.show(&format!("truth: {} %", part / 10))
+        })
+        .map_err(|e| Failure::Input(e.to_string()))?;
         drop(progress);
         for warning in &answer.warnings {
             say(&format!("warning: {warning}"));
@@ -111,7 +203,7 @@ impl Truth {
         picture::write_text(&self.output.with_extension("json"), &(text + "\n"))?;
         picture::write_exr(&self.output, size, &answer.pixels)?;
         match std::fs::remove_file(&state) {
-            Err(e) if e.kind() != io::ErrorKind::NotFound => {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
                 say(&format!("warning: {}: {e}; the result is whole, this file may go", state.display()));
             }
             _ => {}
@@ -134,35 +226,6 @@ fn summary(file: &Path, a: &Answer) -> String {
     )
 }
 
-/// A line on a terminal that is written over; nothing in a pipe.
-struct Progress {
-    shown: Option<Mutex<usize>>,
-}
-
-impl Progress {
-    fn new() -> Self {
-        Self { shown: io::stderr().is_terminal().then(|| Mutex::new(usize::MAX)) }
-    }
-
-    fn show(&self, thousandths: usize) {
-        let Some(shown) = &self.shown else { return };
-        // Somebody else is already saying so.
-        let Ok(mut last) = shown.try_lock() else { return };
-        if *last != thousandths / 10 {
-            *last = thousandths / 10;
-            let _ = write!(io::stderr(), "\r\x1b[2Ktruth: {} %", *last);
-        }
-    }
-}
-
-impl Drop for Progress {
-    fn drop(&mut self) {
-        if self.shown.is_some() {
-            let _ = write!(io::stderr(), "\r\x1b[2K");
-        }
-    }
-}
-
 fn parse_window(text: &str) -> Result<Window, String> {
     let numbers: Option<Vec<u32>> = text.split(',').map(|t| t.trim().parse().ok()).collect();
     match numbers.as_deref() {
@@ -176,6 +239,15 @@ pub fn parse_count(text: &str) -> Result<usize, String> {
         .ok()
         .filter(|n| (1000..=200_000_000).contains(n))
         .ok_or_else(|| "samples are 1000 to 200000000".to_owned())
+}
+
+fn parse_length(text: &str) -> Result<f64, String> {
+    let right = |x: &f64| *x > 0. && x.is_finite();
+    text.parse().ok().filter(right).ok_or_else(|| "that is not a length above 0 mm; 8 would be".to_owned())
+}
+
+fn parse_rays(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|n| (2..=1_000_000).contains(n)).ok_or_else(|| "rays are 2 to 1000000".to_owned())
 }
 
 fn parse_seconds(text: &str) -> Result<f64, String> {

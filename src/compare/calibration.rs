@@ -52,6 +52,8 @@ pub struct Calibration {
     pub code: String,
     /// The two sizes it was timed at.
     pub sizes: [[u32; 2]; 2],
+    /// The clock of its times: `device` or `wall`.
+    pub clock: String,
     /// Scenes.
     pub scenes: usize,
     /// Every setting that was measured.
@@ -109,6 +111,7 @@ impl Calibration {
             driver: b.driver.clone(),
             code: b.code.clone(),
             sizes: [a.size, b.size],
+            clock: b.clock.clone(),
             scenes: scenes.len(),
             settings,
         })

@@ -53,8 +53,8 @@ fn of(cell: &Cell, cells: &[Cell]) -> Standing {
     let as_fast = rivals().filter(|(_, (t, _))| *t <= spent).min_by(|a, b| a.1.1.total_cmp(&b.1.1));
     Standing {
         front,
-        // A rival that spends nothing that can be measured has no ratio.
-        at_error: as_right.filter(|(_, (t, _))| *t > 0.).map(|(c, (t, _))| named(c, spent / t)),
+        // What spends nothing that can be measured has no ratio.
+        at_error: as_right.filter(|(_, (t, _))| *t > 0. && spent > 0.).map(|(c, (t, _))| named(c, spent / t)),
         at_time: as_fast.filter(|(_, (_, e))| *e > 0.).map(|(c, (_, e))| named(c, error / e)),
     }
 }

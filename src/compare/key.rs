@@ -8,7 +8,8 @@ use std::io::Read;
 use std::path::Path;
 
 /// The text of everything that decides a truth besides its inputs: a change there makes another truth.
-const TRUTH_SOURCES: [(&str, &str); 11] = [
+const TRUTH_SOURCES: [(&str, &str); 12] = [
+    ("ambient.rs", include_str!("../truth/ambient.rs")),
     ("bands.rs", include_str!("../truth/bands.rs")),
     ("bump.rs", include_str!("../truth/bump.rs")),
     ("cloud.rs", include_str!("../truth/cloud.rs")),

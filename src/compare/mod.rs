@@ -2,6 +2,18 @@
 //!
 //! A run is a list of [`cell::Cell`]s. Each is kept as soon as it is known, under a key of everything that decides it, so that
 //! an interrupted run goes on where it stopped and a changed one starts anew. Nothing else is computed while a cell is timed.
+//!
+//! A directory of results holds:
+//!
+//! ```text
+//! report.html            one page for people: plots, tables, pictures; needs nothing else
+//! results.csv            a row a cell; columns.rs says what each column is
+//! results.json           the same with every sample; what --merge reads
+//! plot.svg .png          all scenes; plot-SCENE.svg .png each
+//! cells/KEY.json         what is known of each cell
+//! pictures/KEY.*.png     its map of errors, and a window where methods have trouble
+//! truth/KEY.exr .json    converged answers with their bands and errors, unless --cache says where
+//! ```
 
 pub mod calibration;
 pub mod cell;

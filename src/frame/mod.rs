@@ -46,6 +46,14 @@ pub enum FrameError {
         /// What it would take.
         what: &'static str,
     },
+    /// A scene whose texture coordinates a method cannot work over.
+    #[error("--method texture-space: {scene}: {why}")]
+    Atlas {
+        /// The scene.
+        scene: String,
+        /// What is wrong and what would be right.
+        why: String,
+    },
     /// More lights than the uniform block holds.
     #[error("{count} lights; the limit is {max}", max = uniforms::MAX_LIGHTS)]
     Lights {

@@ -93,7 +93,7 @@ pub fn pipelines(
                 map.insert(None, list.len());
                 list.push(Pipeline::graphics(gpu, &pass.name, vertex, *fragment, &pass.constants, state)?);
             }
-            Work::Raster { vertex, fragment, state, geometry: Geometry::Materials, .. } => {
+            Work::Raster { vertex, fragment, state, geometry, .. } => {
                 for (_, material) in draws {
                     let key = class(material);
                     if map.contains_key(&Some(key)) {
@@ -104,7 +104,8 @@ pub fn pipelines(
                     let names = ["BASE_MAP", "ROUGH_MAP", "NORMAL_MAP", "OCCLUSION_MAP"];
                     constants.extend(names.into_iter().zip(maps).map(|(n, m)| (n, u32::from(m))));
                     constants.push(("ALPHA_MASK", u32::from(masked)));
-                    let cull = if double_sided { vk::CullModeFlags::NONE } else { vk::CullModeFlags::BACK };
+                    let both = double_sided || *geometry == Geometry::Unwrapped;
+                    let cull = if both { vk::CullModeFlags::NONE } else { vk::CullModeFlags::BACK };
                     let state = Raster { cull, ..state.clone() };
                     map.insert(Some(key), list.len());
                     list.push(Pipeline::graphics(gpu, &pass.name, vertex, *fragment, &constants, &state)?);
@@ -146,7 +147,8 @@ pub fn record(gpu: &Arc<Gpu>, timer: Option<Timer>, world: &World<'_>) -> Result
                 };
                 let colors =
                     colors.iter().map(|(n, clear)| Ok((target(n)?, *clear))).collect::<Result<Vec<_>, GpuError>>()?;
-                open.render(&Attachments { colors: &colors, depth: (target(&depth.0)?, depth.1, depth.2) });
+                let depth = depth.as_ref().map(|d| Ok::<_, GpuError>((target(&d.0)?, d.1, d.2))).transpose()?;
+                open.render(&Attachments { colors: &colors, depth });
                 let streams: Vec<&Buffer> = world.resources.streams.iter().collect();
                 let indices = &world.resources.indices;
                 match geometry {
@@ -157,8 +159,11 @@ pub fn record(gpu: &Arc<Gpu>, timer: Option<Timer>, world: &World<'_>) -> Result
                         open.draw(0, world.index_count);
                     }
                     Geometry::Depth => {}
-                    Geometry::Materials => {
-                        for (draw, material) in world.draws.iter().filter(|(d, _)| d.index_count > 0) {
+                    Geometry::Materials | Geometry::Unwrapped => {
+                        let all = *geometry == Geometry::Materials;
+                        let drawn =
+                            world.draws.iter().filter(|(d, m)| d.index_count > 0 && (all || m.scatter.is_some()));
+                        for (draw, material) in drawn {
                             let pipeline = world.pipeline(index, Some(class(material)))?;
                             let push = material_push(material, world.scatters);
                             let find = |name: &str| world.find(pass, name, &maps(material));

@@ -27,6 +27,7 @@ pub const EXTERNAL: &[&str] = &[
     "lut",
     "penumbra",
     "kernel",
+    "gutter",
     "no shadow",
     "base_color_map",
     "metallic_roughness_map",
@@ -52,6 +53,7 @@ pub struct Resources {
     lights: Buffer,
     shadow_world: Buffer,
     kernel: Option<Buffer>,
+    gutter: Option<Buffer>,
 }
 
 /// A texture made ready on the CPU: all mips in one run of bytes.
@@ -92,6 +94,14 @@ impl Resources {
             let bend = vertex_curvature(scene);
             streams.push(uploads.buffer("mesh curvature", bytemuck::cast_slice(&bend), vertex)?);
         }
+        if let Some(atlas) = &s.atlas {
+            streams.push(uploads.buffer("charts", bytemuck::cast_slice(&atlas.charts), vertex)?);
+        }
+        let gutter = if s.gutter.is_empty() {
+            None
+        } else {
+            Some(uploads.buffer("gutter", bytemuck::cast_slice(&s.gutter), vk::BufferUsageFlags::STORAGE_BUFFER)?)
+        };
         let indices =
             uploads.buffer("indices", bytemuck::cast_slice(&scene.indices), vk::BufferUsageFlags::INDEX_BUFFER)?;
         let mut samplers = Vec::new();
@@ -164,6 +174,7 @@ impl Resources {
             lights: constants(gpu, "lights", bytemuck::bytes_of(&lights), vk::BufferUsageFlags::UNIFORM_BUFFER)?,
             shadow_world: constants(gpu, "shadow_world", bytemuck::cast_slice(&from_world), storage)?,
             kernel: kernel.transpose()?,
+            gutter,
         })
     }
 
@@ -181,6 +192,7 @@ impl Resources {
             "lights" => Bound::Buffer(&self.lights),
             "shadow_world" => Bound::Buffer(&self.shadow_world),
             "no shadow" => Bound::Sampled(&self.no_shadow, &self.nearest),
+            "gutter" => Bound::Buffer(self.gutter.as_ref()?),
             "kernel" => Bound::Buffer(self.kernel.as_ref()?),
             "penumbra" => Bound::Sampled(self.penumbra.as_ref()?, &self.linear),
             "lut" => Bound::Sampled(self.lut.as_ref()?, &self.linear),
@@ -234,14 +246,11 @@ fn frame_block(inputs: &Inputs<'_>, s: &Setup, lut_knee: f32) -> FrameBlock {
         block.level[i] = four(level.weight, level.variance);
         block.share[i + 1] = four(level.share, 0.);
         // Curvature of a patch is known over a couple of sigma: that far it may occlude.
-        let radius = OCCLUSION_RADIUS_SIGMAS * level.variance.sqrt();
+        let radius = crate::skin::occlusion::RADIUS_SIGMAS * level.variance.sqrt();
         block.occlusion[i] = [(radius / s.levels.length_mm) as f32, 1., 0., 0.];
     }
     block
 }
-
-/// AO radius of a level in sigmas of its blur.
-const OCCLUSION_RADIUS_SIGMAS: f64 = 3.;
 
 fn address(wrap: Wrap) -> vk::SamplerAddressMode {
     match wrap {

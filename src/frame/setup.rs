@@ -4,8 +4,8 @@ use super::levels::{LEAST_SIGMA_PX, Levels, Magnification};
 use super::shadows::Shadows;
 use super::uniforms::MAX_LIGHTS;
 use super::{FrameError, Inputs};
-use crate::methods;
-use crate::scene::{Alpha, Camera, LightKind, Projection};
+use crate::methods::{self, texture_space};
+use crate::scene::{Alpha, Atlas, Camera, Filled, LightKind, Projection, gutter};
 use crate::settings::{Method, Quality, Settings, Texturing, ToneMap, View};
 use glam::Vec3;
 
@@ -45,6 +45,12 @@ pub struct Setup {
     pub detail: bool,
     /// Samples of each gathered Gaussian.
     pub taps: u32,
+    /// The scene's texture coordinates, where the method works over them.
+    pub atlas: Option<Atlas>,
+    /// Part of a sheet's side that lies beside the unit square.
+    pub border: f32,
+    /// Texels beside the cuts of the unwrapping, and what fills them.
+    pub gutter: Vec<Filled>,
     /// Shadow maps and slots.
     pub shadows: Shadows,
     /// Curvature is used.
@@ -104,8 +110,22 @@ impl Setup {
             Some(p) if scatters => p.gaussians().gaussians.iter().any(|g| g.variance.sqrt() >= least_sigma_mm),
             _ => false,
         };
+        let atlas = if diffuses && settings.method == Method::TextureSpace {
+            let wrong = |why| FrameError::Atlas { scene: scene.name.clone(), why };
+            Some(Atlas::new(scene).map_err(wrong)?)
+        } else {
+            None
+        };
+        let reach_mm = inputs.profile.as_ref().map_or(0., texture_space::reach_mm);
+        let border = atlas.as_ref().map_or(0., |a| a.border(reach_mm) as f32);
+        let side = texture_space::effort(settings.quality).0;
+        let texel_mm = |a: &Atlas| a.side_mm / (f64::from(side) * f64::from(1. - 2. * border));
+        let fill = |a: &Atlas| gutter(a, side, f64::from(border), reach_mm / a.side_mm);
+        let gutter = atlas.as_ref().map_or(Vec::new(), fill);
         let kernel = match &inputs.profile {
-            Some(profile) if diffuses => methods::kernel(settings, profile, least_sigma_mm),
+            Some(profile) if diffuses => {
+                methods::kernel(settings, profile, least_sigma_mm, atlas.as_ref().map_or(0., texel_mm))
+            }
             _ => Vec::new(),
         };
         // What is left out changes no bit of the picture; without leaving out, it runs for nothing.
@@ -153,18 +173,22 @@ impl Setup {
         if let Some(what) = missing {
             return Err(FrameError::View { view: settings.view, what });
         }
+        let uvs = (all || used(&|m| m.is_textured()) || atlas.is_some()) && !scene.uvs.is_empty();
         Ok(Setup {
             size,
             output: if is_lit(settings.view) { inputs.output } else { Output::Linear },
             scatters,
             normal_maps,
-            uvs: (all || used(&|m| m.is_textured())) && !scene.uvs.is_empty(),
+            uvs,
             diffuses,
             mass,
             detail: mass && (normal_maps || super::mass::strays(scene)),
             taps,
             levels,
             kernel,
+            atlas,
+            border,
+            gutter,
             shadows,
             curvature,
             why_no_curvature,

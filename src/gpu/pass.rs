@@ -20,8 +20,8 @@ pub enum Bound<'a> {
 pub struct Attachments<'a> {
     /// Colour targets with their clear values (as raw bits); without one the old content may be anything.
     pub colors: &'a [(&'a Image, Option<[u32; 4]>)],
-    /// Depth target, its layer if it is an array, its clear value.
-    pub depth: (&'a Image, Option<u32>, f32),
+    /// Depth target, its layer if it is an array, its clear value; none where nothing hides anything.
+    pub depth: Option<(&'a Image, Option<u32>, f32)>,
 }
 
 /// An open pass.
@@ -208,21 +208,23 @@ impl<'a> Pass<'a> {
                     .clear_value(vk::ClearValue { color: vk::ClearColorValue { uint32: clear.unwrap_or_default() } })
             })
             .collect();
-        let (image, layer, clear) = attachments.depth;
-        let view = layer.and_then(|l| image.layer_views.get(l as usize)).copied().unwrap_or(image.view);
+        let layered = |(image, layer, _): &(&Image, Option<u32>, f32)| {
+            layer.and_then(|l| image.layer_views.get(l as usize)).copied().unwrap_or(image.view)
+        };
         let depth = vk::RenderingAttachmentInfo::default()
-            .image_view(view)
+            .image_view(attachments.depth.as_ref().map_or(vk::ImageView::null(), layered))
             .image_layout(vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL)
             .load_op(vk::AttachmentLoadOp::CLEAR)
             .store_op(vk::AttachmentStoreOp::STORE)
-            .clear_value(vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: clear, stencil: 0 } });
-        let extent = vk::Extent2D { width: image.desc.size[0], height: image.desc.size[1] };
+            .clear_value(vk::ClearValue {
+                depth_stencil: vk::ClearDepthStencilValue { depth: attachments.depth.map_or(0., |d| d.2), stencil: 0 },
+            });
+        let size =
+            attachments.depth.map(|d| d.0).or(attachments.colors.first().map(|c| c.0)).map_or([1; 2], |i| i.desc.size);
+        let extent = vk::Extent2D { width: size[0], height: size[1] };
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
-        let info = vk::RenderingInfo::default()
-            .render_area(area)
-            .layer_count(1)
-            .color_attachments(&colors)
-            .depth_attachment(&depth);
+        let info = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&colors);
+        let info = if attachments.depth.is_some() { info.depth_attachment(&depth) } else { info };
         let viewport = vk::Viewport {
             width: extent.width as f32,
             height: extent.height as f32,

@@ -13,7 +13,7 @@ pub type Constants<'a> = &'a [(&'a str, u32)];
 pub struct Raster {
     /// Formats of the colour attachments.
     pub colors: Vec<vk::Format>,
-    /// Format of the depth attachment.
+    /// Format of the depth attachment; UNDEFINED: there is none.
     pub depth: vk::Format,
     /// Depth test.
     pub compare: vk::CompareOp,
@@ -141,8 +141,8 @@ impl Pipeline {
         let samples =
             vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
         let depth = vk::PipelineDepthStencilStateCreateInfo::default()
-            .depth_test_enable(true)
-            .depth_write_enable(true)
+            .depth_test_enable(raster.depth != vk::Format::UNDEFINED)
+            .depth_write_enable(raster.depth != vk::Format::UNDEFINED)
             .depth_compare_op(raster.compare);
         let blends = vec![
             vk::PipelineColorBlendAttachmentState::default()

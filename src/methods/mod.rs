@@ -7,6 +7,7 @@ mod moments;
 mod pdss;
 pub mod preintegrated;
 pub mod separable;
+pub mod texture_space;
 mod wrap;
 
 use crate::frame::resources::EXTERNAL;
@@ -36,6 +37,7 @@ pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
         Method::Pdss => pdss::frame(&mut plan, s),
         Method::Moments => moments::frame(&mut plan, s),
         Method::Preintegrated => preintegrated::frame(&mut plan, s),
+        Method::TextureSpace => texture_space::frame(&mut plan, s),
         Method::Gaussians => gaussians::frame(&mut plan, s),
         Method::Separable => separable::frame(&mut plan, s),
         Method::Burley => burley::frame(&mut plan, s),
@@ -57,11 +59,13 @@ pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
 }
 
 /// What a method's own shaders read of the profile: a few rows of four, empty where the method needs none. What projects
-/// to fewer pixels than a Gaussian of `least_sigma_mm` does is not told from a point.
-pub fn kernel(settings: &Settings, profile: &Profile, least_sigma_mm: f64) -> Vec<[f64; 4]> {
+/// to fewer pixels than a Gaussian of `least_sigma_mm` does is not told from a point; `texel_mm` is the size of a texel where the
+/// method works over texture coordinates.
+pub fn kernel(settings: &Settings, profile: &Profile, least_sigma_mm: f64, texel_mm: f64) -> Vec<[f64; 4]> {
     match settings.method {
         Method::Lambert | Method::Pdss | Method::Moments => Vec::new(),
         Method::Preintegrated => preintegrated::kernel(profile),
+        Method::TextureSpace => texture_space::kernel(settings, profile, least_sigma_mm, texel_mm),
         Method::Gaussians => gaussians::kernel(settings.quality, profile, least_sigma_mm),
         Method::Separable => separable::kernel(settings, profile),
         Method::Burley => burley::kernel(profile),

@@ -3,7 +3,7 @@
 
 use crate::frame::setup::Setup;
 use crate::plan::Plan;
-use crate::stages::{blur, curvature, gather, gbuffer, light, shadow, tiles, visibility};
+use crate::stages::{blur, curvature, gbuffer, light, shadow, tiles, translucent, visibility};
 
 /// The frame.
 pub fn frame(p: &mut Plan, s: &Setup) {
@@ -13,6 +13,6 @@ pub fn frame(p: &mut Plan, s: &Setup) {
     visibility::add(p, s); // viewz normal shadow                   -> lit
     curvature::add(p, s); //  viewz normal                          -> curvature   (for ambient occlusion)
     blur::add(p, s); //       viewz normal curvature lit            -> soft0.. softlit0..
-    gather::add(p, s); //     viewz normal shadow                   -> gathered..  (wide levels)
+    translucent::add(p, s); //viewz normal mass shadow softlit      -> gathered..  (wide levels)
     light::add(p, s); //      G-buffer soft softlit gathered        -> ldr or exr
 }

@@ -51,7 +51,7 @@ impl Plan {
             }
             Work::Raster { vertex, fragment, colors, depth, .. } => {
                 list.extend(colors.iter().map(|(name, _)| (name.clone(), Usage::ColorAttachment)));
-                list.push((depth.0.clone(), Usage::DepthAttachment));
+                list.extend(depth.iter().map(|d| (d.0.clone(), Usage::DepthAttachment)));
                 std::iter::once(*vertex).chain(*fragment).collect()
             }
             Work::Update { buffers, .. } => return Ok(buffers.iter().map(|b| (b.clone(), Usage::CopyTo)).collect()),

@@ -62,8 +62,8 @@ pub enum Work {
         state: Raster,
         /// Colour targets and their clear values as raw bits; without one whatever was there may stay.
         colors: Vec<(String, Option<[u32; 4]>)>,
-        /// Depth target, its layer, its clear value.
-        depth: (String, Option<u32>, f32),
+        /// Depth target, its layer, its clear value; none where nothing hides anything.
+        depth: Option<(String, Option<u32>, f32)>,
         /// Which vertex attributes are fetched, and which materials are drawn.
         geometry: Geometry,
     },
@@ -90,6 +90,8 @@ pub enum Geometry {
     Depth,
     /// A draw per material, with its textures.
     Materials,
+    /// The same for the materials that scatter alone, both sides of every triangle.
+    Unwrapped,
 }
 
 /// One step of the frame.
@@ -228,7 +230,7 @@ impl Plan {
         fragment: Option<&'static Shader>,
         state: Raster,
         colors: Vec<(String, Option<[u32; 4]>)>,
-        depth: (String, Option<u32>, f32),
+        depth: Option<(String, Option<u32>, f32)>,
         geometry: Geometry,
     ) -> &mut Pass {
         self.pass(name, Work::Raster { vertex, fragment, state, colors, depth, geometry })

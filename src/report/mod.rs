@@ -1,5 +1,6 @@
 //! What comes out: pictures, tables, records and traces. No Vulkan call is made here; see [`crate::frame`] for those.
 
+pub mod canvas;
 pub mod explain;
 pub mod measure;
 pub mod picture;

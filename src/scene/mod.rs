@@ -6,6 +6,7 @@
 //! (missing or zero normals, degenerate or duplicate triangles, NaN) is defined here, counted, and said once in
 //! [`Scene::warnings`]; what contradicts itself is refused with one line naming the place.
 
+mod atlas;
 mod bake;
 mod camera;
 mod error;
@@ -23,6 +24,7 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 
+pub use atlas::{Atlas, Filled, Seam, gutter};
 pub(crate) use camera::framing_distance;
 pub use camera::{Camera, Projection};
 pub use error::SceneError;

@@ -143,7 +143,8 @@ impl Builder {
         for (index, (out, right)) in faces.into_iter().enumerate() {
             let down = right.cross(out);
             let corner = DVec2::new((index % 3) as f64 / 3.0, (index / 3) as f64 / 2.0);
-            let gutter = DVec2::splat(1.0 / 128.0);
+            // Room for what a blur over texture coordinates needs of the faces next door.
+            let gutter = DVec2::splat(1.0 / 24.0);
             let uv = [corner + gutter, corner + DVec2::new(1.0 / 3.0, 0.5) - gutter];
             self.grid([cells; 2], uv, |s, t| {
                 let p = map(out + right * (2.0 * s - 1.0) + down * (2.0 * t - 1.0));

@@ -6,6 +6,7 @@
 //! a constant pixel step plus e_k ray_k, e_k = (z_k - z_0) / q. Only the two stored distances are subtracted, and that
 //! subtraction is exact in floating point between neighbours; products z ray are never differenced.
 mod real;
+mod vergne;
 
 use real::{Real, V3, add, cross, dot, scale, sub};
 
@@ -20,11 +21,13 @@ pub enum Estimator {
     Metric,
     /// Least squares in the tangent plane over eight neighbours.
     Fit,
+    /// Vergne's own later code: a tamed exponent, a floor under n.z, nothing at silhouettes.
+    VergneMended,
 }
 
 impl Estimator {
     /// Every estimator, in the shader's order.
-    pub const ALL: [Self; 4] = [Self::Vergne, Self::Trace, Self::Metric, Self::Fit];
+    pub const ALL: [Self; 5] = [Self::Vergne, Self::Trace, Self::Metric, Self::Fit, Self::VergneMended];
 
     /// As the command line spells it.
     pub fn name(self) -> &'static str {
@@ -33,6 +36,7 @@ impl Estimator {
             Self::Trace => "trace",
             Self::Metric => "metric",
             Self::Fit => "fit",
+            Self::VergneMended => "vergne-mended",
         }
     }
 }
@@ -103,8 +107,6 @@ pub const RIDGE: f64 = 1e-6;
 pub const NO_WEIGHT: f64 = 1e-12;
 /// Neighbours, of 8, that give `fit` full confidence: the half left over is what its own weights take at grazing angles.
 pub const ENOUGH_VOTES: f64 = 7.5;
-/// `vergne` divides by n.z no smaller than this: finite, yet a hundred thousand times too large at a silhouette.
-pub const VERGNE_EPSILON: f64 = 1e-6;
 
 /// The reference.
 pub fn estimate(estimator: Estimator, g: &GBuffer) -> Vec<Curvature> {
@@ -129,7 +131,8 @@ fn estimate_in<T: Real>(estimator: Estimator, g: &GBuffer) -> Vec<Curvature> {
 fn pixel<T: Real>(estimator: Estimator, g: &GBuffer, x: usize, y: usize) -> Curvature {
     let Some(window) = Window::<T>::new(g, x, y) else { return Curvature::default() };
     let local = match estimator {
-        Estimator::Vergne => vergne(&window),
+        Estimator::Vergne => vergne::published(&window),
+        Estimator::VergneMended => vergne::mended(&window),
         Estimator::Trace => trace(&window),
         Estimator::Metric => bounded(metric(&window)),
         Estimator::Fit => bounded(fit(&window)),
@@ -255,20 +258,6 @@ fn per_pixel<T: Real>(w: &Window<T>, dx: i64, dy: i64, f: impl Fn(V3<T>) -> V3<T
 fn sides<T: Real>(u: T, v: T) -> T {
     let zero = T::of(0.0);
     if u > zero && v > zero { u * v * T::of(0.25) } else { (u + v) * T::of(0.125) }
-}
-
-/// H = -tr(Hess depth)/2 with grad depth = -(n_x, n_y)/n_z, central differences on the screen, scaled by f/z.
-/// The denominator (1 + |grad|^2)^(3/2) of the true mean curvature is missing in the paper's form, too.
-fn vergne<T: Real>(w: &Window<T>) -> Local<T> {
-    let gradient = |n: V3<T>| {
-        let floor = T::of(VERGNE_EPSILON);
-        let nz = if n[2] < T::of(0.0) { -(-n[2]).at_least(floor) } else { n[2].at_least(floor) };
-        [-n[0] / nz, -n[1] / nz, T::of(0.0)]
-    };
-    let (u, sides_u) = per_pixel(w, 1, 0, gradient);
-    let (v, sides_v) = per_pixel(w, 0, 1, gradient);
-    let h = -T::of(0.5) * (u[0] / w.unit[0] + v[1] / w.unit[1]);
-    Local { h, k: T::of(0.0), confidence: sides(sides_u, sides_v) }
 }
 
 /// grad n = n_u (x) grad u + n_v (x) grad v with grad u = (e_x + slope_x e_z)/(z ray_scale_x): n is constant along a

@@ -5,6 +5,10 @@
 //! | [`profile`] | how far does light travel under this surface: R(r), per channel, and as a few Gaussians |
 //! | [`sphere`] | what leaves a sphere under one distant light: exact, a Legendre series or one smooth integral |
 //! | [`curvature`] | screen-space curvature estimators, the twins of `glsl/curvature.comp` |
+//! | [`blur`] | one pass of the diffusion, the twin of `glsl/blur.comp` |
+//! | [`light`] | both lighting forms, the twins of `glsl/light.comp` |
+//! | [`octahedral`] | unit vectors in 2 x 16 bit |
+//! | [`vectors`] | every formula as numbers in and out, for ports |
 //! | [`ring`] | the same on a ring, to reproduce Penner & Borshukov 2011 |
 //! | [`lut`] | either of them as a small table over (mu, curvature) that a GPU samples bilinearly |
 //! | [`moments`] | E max(0, X) of a normal variable: the closed form that needs no table |
@@ -18,15 +22,19 @@
 //! normal and the light. Irradiance at normal incidence and albedo are one throughout: what is returned is exitance as
 //! a fraction. A channel triple is red, green, blue.
 
+pub mod blur;
 pub mod burley;
 pub mod curvature;
+pub mod light;
 pub mod lut;
 pub mod mass;
 pub mod moments;
 pub mod occlusion;
+pub mod octahedral;
 pub mod penumbra;
 pub mod profile;
 pub(crate) mod quadrature;
 pub mod ring;
 pub mod separable;
 pub mod sphere;
+pub mod vectors;

@@ -11,6 +11,9 @@
 use super::quadrature::integrate;
 use std::f64::consts::{FRAC_PI_2, PI};
 
+/// Occlusion radius of a blurred level in sigmas of its blur.
+pub const RADIUS_SIGMAS: f64 = 3.0;
+
 /// How an occluder at distance t counts within the occlusion radius R.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Falloff {
@@ -25,9 +28,9 @@ pub enum Falloff {
 /// How the occlusions of several blur levels become one visibility.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Combine {
-    /// V = product of (1 - w O): levels hide independently.
+    /// V = product of (1 - w O): levels hide independently. They do not: what is near is within every radius.
     Product,
-    /// V = 1 - max of w O: nothing is counted twice.
+    /// V = 1 - max of w O: nothing is counted twice. What the renderer does.
     Max,
 }
 

@@ -16,6 +16,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     let shader = match (s.settings.kernels, s.settings.curvature) {
         (Kernels::Spirv, Curvature::Metric) => &shaders::CURVATURE_SPIRV,
         (_, Curvature::Vergne) => &shaders::CURVATURE_VERGNE,
+        (_, Curvature::VergneMended) => &shaders::CURVATURE_VERGNE_MENDED,
         (_, Curvature::Trace) => &shaders::CURVATURE_TRACE,
         (_, Curvature::Metric) => &shaders::CURVATURE_METRIC,
         (_, Curvature::Fit) => &shaders::CURVATURE_FIT,

@@ -19,7 +19,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         plan.leave_out("curvature of the mesh", "screen-space derivatives tell it", 0);
     }
     let colors = vec![(s.picture().to_owned(), Some([0; 4]))];
-    let depth = ("depth".to_owned(), None, 0.);
+    let depth = Some(("depth".to_owned(), None, 0.));
     let fragment = if bend { &shaders::FORWARD_FRAG_VERTEX } else { &shaders::FORWARD_FRAG_DERIVATIVE };
     let vertex = gbuffer::vertex(s, extra);
     let pass = plan

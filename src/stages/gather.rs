@@ -1,26 +1,26 @@
-//! gather: viewz, normal, shadow, and softlit + softgeo with normal maps -> gathered, for the wide levels. Light found in the shadow map, hidden parts of the surface included.
+//! gather: viewz, chart, irradiance, sheets -> scattered. What texture space has diffused, back on the screen.
 
 use super::tiles;
 use crate::frame::setup::Setup;
 use crate::plan::{Domain, Plan};
+use crate::settings::View;
 use crate::shaders;
 
-/// Adds a pass for each level that is gathered.
+/// Names that the shader has for sheets; a profile is at most six Gaussians.
+pub const SHEETS: [&str; 6] = ["sheet1", "sheet2", "sheet3", "sheet4", "sheet5", "sheet6"];
+
+/// Adds the pass, where the picture shows scattered light.
 pub fn add(plan: &mut Plan, s: &Setup) {
-    for (i, level) in s.levels.levels.iter().enumerate().filter(|(_, l)| l.gathered) {
-        let target = format!("gathered{i}");
-        plan.image_as(&target, ash::vk::Format::R32_UINT, s.size.map(|x| x.div_ceil(level.stride)), 1);
-        let shader = if s.detail { &shaders::GATHER_DETAIL } else { &shaders::GATHER_PLAIN };
-        let pass = plan
-            .compute(&format!("gather{i}"), shader, Domain::Tiles(tiles::scatter(level.stride)))
-            .constant("STRIDE", level.stride)
-            .constant("TAPS", s.taps)
-            .constant("GATHERED", i as u32 - s.levels.first_gathered())
-            .bind("target", target)
-            .bind("normal", if s.detail { "facet" } else { "normal" })
-            .bind("blurred", format!("softlit{i}"))
-            .bind("blurred_geo", format!("softgeo{i}"))
-            .push(&(level.variance as f32));
-        s.specialise_lights(pass);
+    if !s.lit_view() || s.settings.view == View::Irradiance {
+        return;
+    }
+    plan.image("scattered", s.size);
+    let levels = s.kernel.len() - 1;
+    let pass = plan
+        .compute("gather", &shaders::GATHER, Domain::Tiles(tiles::scatter(1)))
+        .constant("LEVELS", levels as u32)
+        .constant("SHEET_BORDER", s.border.to_bits());
+    for name in SHEETS.into_iter().skip(levels) {
+        pass.absent(name);
     }
 }

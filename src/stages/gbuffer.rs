@@ -22,6 +22,9 @@ pub enum Extra {
 /// Adds the pass.
 pub fn add(plan: &mut Plan, s: &Setup) {
     let mut colors = vec!["viewz", "normal", "albedo", "material"];
+    if s.atlas.is_some() {
+        colors.push("chart");
+    }
     if s.normal_maps {
         colors.push("bumped");
     } else {
@@ -41,6 +44,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     }
     let extra = if s.mass { Extra::Mass } else { Extra::None };
     let fragment = match (s.mass, s.detail, s.normal_maps) {
+        (false, _, _) if s.atlas.is_some() => &shaders::GBUFFER_FRAG_CHART,
         (false, _, _) => &shaders::GBUFFER_FRAG_PLAIN,
         (true, false, _) => &shaders::GBUFFER_FRAG_MASS,
         (true, true, false) => &shaders::GBUFFER_FRAG_MASS_FACET,
@@ -49,7 +53,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     let state = state(s, &colors, extra);
     // A viewz of 0 says that nothing else of the pixel means anything, so nothing else is cleared.
     let colors = colors.into_iter().map(|n| (n.to_owned(), (n == "viewz").then_some([0; 4]))).collect();
-    let depth = ("depth".to_owned(), None, 0.);
+    let depth = Some(("depth".to_owned(), None, 0.));
     let pass = plan.raster("gbuffer", vertex(s, extra), Some(fragment), state, colors, depth, Geometry::Materials);
     if s.mass {
         pass.constant("FIRST", s.levels.first_gathered()).constant("LEVELS", s.levels.levels.len() as u32);

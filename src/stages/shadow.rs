@@ -29,7 +29,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
             streams: vec![(0, vk::Format::R32G32B32_SFLOAT)],
             ..Raster::default()
         };
-        let depth = ("shadow".to_owned(), Some(layer), 0.);
+        let depth = Some(("shadow".to_owned(), Some(layer), 0.));
         let name = if layers == 1 { "shadow".to_owned() } else { format!("shadow{layer}") };
         plan.raster(&name, &shaders::SHADOW_VERT, None, state, Vec::new(), depth, Geometry::Depth).push(&layer);
     }

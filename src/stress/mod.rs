@@ -14,6 +14,7 @@
 //! | [`file`] | hostile glTF: normals, triangles, transforms, units, counts |
 //! | [`lighting`] | lights where they should not be, too strong, too many, none |
 //! | [`edge`] | what must not bleed into what |
+//! | [`twins`] | levels and light on the device against the same in f64 |
 
 pub mod edge;
 pub mod file;
@@ -25,6 +26,7 @@ pub mod rows;
 pub mod size;
 pub mod studio;
 pub mod surface;
+pub mod twins;
 
 use crate::frame::FrameError;
 use crate::gpu::{Gpu, GpuError};

@@ -6,7 +6,9 @@ use super::studio::{Picture, Set, settings};
 use super::{Bench, Measure, Measured, Spread, StressError};
 use crate::scene::{Camera, ShapeSpec, shape_curvature, shape_normal};
 use crate::settings::{Curvature, Method, View};
+use crate::skin::blur::Texel;
 use crate::skin::curvature::{self as twin, Estimator, GBuffer};
+use crate::skin::octahedral as code;
 use glam::DVec3;
 
 /// Pixels from the background, a jump in depth or the border that count as the silhouette's.
@@ -319,4 +321,43 @@ pub fn precision(_: &Bench) -> Measured {
         all.push(Measure::new(quantity, s.max, error(1.02).max, format!("|dH| q: {s}")));
     }
     Ok(all)
+}
+
+/// What the formats of normals, levels and light lose, over their whole range.
+pub fn storage(_: &Bench) -> Measured {
+    let directions: Vec<DVec3> = (0..20_000)
+        .map(|i| {
+            let z = 1. - 2. * (f64::from(i) + 0.5) / 20_000.;
+            let (s, c) = (2.399_963_229_728_653 * f64::from(i)).sin_cos();
+            let r = (1. - z * z).sqrt();
+            DVec3::new(r * c, r * s, z)
+        })
+        .collect();
+    // The sine tells small angles apart, the arc cosine does not.
+    let angle =
+        |decode: &dyn Fn(DVec3) -> DVec3| directions.iter().map(|n| n.cross(decode(*n)).length()).fold(0., f64::max);
+    let coded = |n: DVec3| DVec3::from_array(code::decode(code::encode(n.to_array())));
+    let [mut normal, mut bend, mut light] = [0f64; 3];
+    for (i, n) in directions.iter().enumerate() {
+        let part = i as f64 / 20_000.;
+        // H times length over the half's normal range.
+        let h = 10f64.powf(part * 8.8 - 4.2);
+        let t = Texel { n: (*n * 0.9).to_array(), h, confidence: 1., lit: [0.; 2] }.stored();
+        normal = normal.max((DVec3::from_array(t.n) - *n * 0.9).abs().max_element());
+        bend = bend.max((t.h / h - 1.).abs());
+        // Light in its unit, which keeps it below 4096.
+        let l = 10f64.powf(part * 7.8 - 4.2);
+        light = light.max((half::f16::from_f64(l).to_f64() / l - 1.).abs());
+    }
+    Ok(vec![
+        Measure::new(
+            "oct-16: angle, rad",
+            angle(&coded),
+            angle(&|n| octahedral(n, 16383.)),
+            "at most sqrt(18) half steps, in the middle of a face; wrong: a bit less",
+        ),
+        Measure::new("level: |dn|", normal, 2. * normal, "three snorm16; wrong: a bit less"),
+        Measure::new("level: dH, relative", bend, 2. * bend, "a half, 6e-5 .. 4e4"),
+        Measure::new("light: relative", light, 2. * light, "a half, 6e-5 .. 4e3"),
+    ])
 }

@@ -1,5 +1,6 @@
 //! What the camera sees: one ray through the middle of each pixel, as the renderer rasterises it.
 
+use super::TruthError;
 use super::surface::{Place, Surface};
 use crate::frame::setup::ViewFacts;
 use crate::scene::{Camera, Projection, Scene};
@@ -20,6 +21,19 @@ pub struct Window {
 }
 
 impl Window {
+    /// The window that was asked for, or the whole picture.
+    ///
+    /// # Errors
+    /// Where it is empty or does not lie in the picture.
+    pub fn within(asked: Option<Window>, size: [u32; 2]) -> Result<Window, TruthError> {
+        let window = asked.unwrap_or(Window { x: 0, y: 0, width: size[0], height: size[1] });
+        let ends = [(window.x, window.width, size[0]), (window.y, window.height, size[1])];
+        if ends.iter().any(|(at, extent, all)| *extent == 0 || at.checked_add(*extent).is_none_or(|end| end > *all)) {
+            return Err(TruthError::Window(window, size[0], size[1]));
+        }
+        Ok(window)
+    }
+
     /// Pixels.
     pub fn pixels(&self) -> usize {
         self.width as usize * self.height as usize

@@ -8,6 +8,7 @@
 //!
 //! Units: mm; irradiance as the lights have it. What is not modelled: alpha (cut-outs are whole).
 
+pub mod ambient;
 pub mod bands;
 pub mod bump;
 pub mod cloud;
@@ -150,11 +151,7 @@ pub fn resume(
 ) -> Result<Truth, TruthError> {
     let start = Instant::now();
     let (scene, size) = (inputs.scene, [inputs.settings.size.width, inputs.settings.size.height]);
-    let window = window.unwrap_or(Window { x: 0, y: 0, width: size[0], height: size[1] });
-    let ends = [(window.x, window.width, size[0]), (window.y, window.height, size[1])];
-    if ends.iter().any(|(at, extent, all)| *extent == 0 || at.checked_add(*extent).is_none_or(|end| end > *all)) {
-        return Err(TruthError::Window(window, size[0], size[1]));
-    }
+    let window = Window::within(window, size)?;
     let shadows = !inputs.settings.no_shadows;
     let surface = Surface::new(scene, &inputs.camera, size);
     let eye = Eye::new(&inputs.camera, size, scene);

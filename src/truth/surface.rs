@@ -78,7 +78,8 @@ pub struct Surface<'a> {
     scene: &'a Scene,
     boxes: Bvh2,
     eye: Eye,
-    slack: f64,
+    /// Hits nearer than this to a ray's start are of the faces that meet there, mm.
+    pub(super) slack: f64,
     normal_maps: Vec<Option<Mips>>,
     steps: Steps,
 }

@@ -9,7 +9,8 @@ use pdss::scene::{Light, LightKind};
 use pdss::settings::{Ambient, Method, Quality, Resolution, View};
 use std::sync::Arc;
 
-const SCATTERING: [Method; 7] = [
+const SCATTERING: [Method; 8] = [
+    Method::TextureSpace,
     Method::Pdss,
     Method::Moments,
     Method::Preintegrated,

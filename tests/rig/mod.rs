@@ -10,6 +10,7 @@ use pdss::gpu::usage::State;
 use pdss::gpu::{Buffer, Gpu, Usage};
 use pdss::shaders::Shader;
 use pdss::skin::curvature::GBuffer;
+use pdss::skin::octahedral;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -23,29 +24,16 @@ pub struct Stored {
 }
 
 pub fn stored(g: &GBuffer) -> Stored {
-    let sign = |x: f64| if x >= 0.0 { 1.0 } else { -1.0 };
     let code = |n: &[f64; 3]| {
-        let sum = n[0].abs() + n[1].abs() + n[2].abs();
-        let (mut x, mut y) = (n[0] / sum, n[1] / sum);
-        if n[2] < 0.0 {
-            (x, y) = ((1.0 - y.abs()) * sign(x), (1.0 - x.abs()) * sign(y));
-        }
-        let word = |v: f64| u32::from((v * 32767.0).round() as i16 as u16);
-        word(x) | word(y) << 16
+        let [x, y] = octahedral::encode(*n).map(|w| u32::from(w as u16));
+        x | y << 16
     };
     Stored { z: g.z.iter().map(|z| *z as f32).collect(), normal: g.normal.iter().map(code).collect() }
 }
 
 /// The twin's input: exactly what the kernel reads.
 pub fn decoded(s: &Stored, g: &GBuffer) -> GBuffer {
-    let normal = |code: &u32| {
-        let (x, y) = (f64::from(*code as i16), f64::from((*code >> 16) as i16));
-        let z = 32767.0 - x.abs() - y.abs();
-        let fold = (-z).max(0.0);
-        let n = [x - fold.copysign(x), y - fold.copysign(y), z];
-        let length = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
-        n.map(|v| v / length)
-    };
+    let normal = |code: &u32| octahedral::decode([*code as i16, (*code >> 16) as i16]);
     // The projection, too, is in f32 on the device.
     let mut camera = g.camera;
     camera.ray_scale = camera.ray_scale.map(|v| f64::from(v as f32));

@@ -4,8 +4,10 @@ use glam::{Mat4, Vec3};
 use pdss::frame::{FrameError, Inputs, Output, Renderer};
 use pdss::gpu::{Gpu, Options};
 use pdss::scene::{Aabb, Camera, Light, Scene};
-use pdss::settings::{Ambient, Method, Settings, Size, View};
-use pdss::skin::profile::{Gaussian, Profile, Shape};
+use pdss::settings::Settings;
+use pdss::skin::profile::Profile;
+#[allow(unused_imports, reason = "shared by several test programs, none of which uses all of it")]
+pub use pdss::stress::studio::{Picture, settings, wax};
 use std::sync::Arc;
 
 /// Opens the device with core and synchronization validation. No layer or no device is a failure, not a reason to skip.
@@ -30,47 +32,6 @@ pub struct Set {
     pub profile: Option<Profile>,
     pub settings: Settings,
     pub output: Output,
-}
-
-/// A linear picture.
-#[derive(Clone, PartialEq)]
-pub struct Picture {
-    pub size: [usize; 2],
-    pub texels: Vec<[f32; 4]>,
-}
-
-impl Picture {
-    pub fn at(&self, x: usize, y: usize) -> [f32; 4] {
-        self.texels[y * self.size[0] + x]
-    }
-
-    /// Texels on a surface, by index.
-    pub fn covered(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.texels.len()).filter(|i| self.texels[*i][3] > 0.)
-    }
-
-    /// Texels whose bits are not the same.
-    pub fn differing(&self, other: &Picture) -> usize {
-        assert_eq!(self.size, other.size);
-        let bits = |t: &[f32; 4]| t.map(f32::to_bits);
-        self.texels.iter().zip(&other.texels).filter(|(a, b)| bits(a) != bits(b)).count()
-    }
-
-    /// Largest difference of a colour channel.
-    pub fn apart(&self, other: &Picture) -> f32 {
-        assert_eq!(self.size, other.size);
-        let one = |a: &[f32; 4], b: &[f32; 4]| (0..3).map(|c| (a[c] - b[c]).abs()).fold(0., f32::max);
-        // A NaN is further away than anything.
-        let worse = |m: f32, d: f32| if d.is_nan() { f32::INFINITY } else { m.max(d) };
-        self.texels.iter().zip(&other.texels).map(|(a, b)| one(a, b)).fold(0., worse)
-    }
-}
-
-/// One narrow and one wide Gaussian: a profile whose table is quick to build, red wider than blue.
-pub fn wax() -> Profile {
-    let gaussians =
-        vec![Gaussian { variance: 1., weight: [0.3, 0.6, 0.9] }, Gaussian { variance: 16., weight: [0.7, 0.4, 0.1] }];
-    Profile { name: "wax".into(), source: String::new(), shape: Shape::Gaussians(gaussians), ior: 1.4, albedo: None }
 }
 
 /// The scene of a shape, all of it scattering.
@@ -100,12 +61,6 @@ pub fn plates(list: &[(Vec3, f32)]) -> Scene {
     scene.bounds = Aabb::around(&scene.positions);
     scene.draws[0].index_count = scene.indices.len() as u32;
     scene
-}
-
-/// Settings of a small picture of `view` by `method`.
-pub fn settings(method: Method, view: View, size: [u32; 2]) -> Settings {
-    let ambient = Ambient { up: [0.05; 3], down: [0.02; 3] };
-    Settings { method, view, size: Size { width: size[0], height: size[1] }, ambient, ..Settings::default() }
 }
 
 impl Set {

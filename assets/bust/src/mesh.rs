@@ -109,7 +109,7 @@ fn untangle(field: &mut [f32], count: glam::USizeVec3) {
             let near = (0..8).map(|k| i + corner(k)).min_by(|&a, &b| field[a].abs().total_cmp(&field[b].abs()));
             if let Some(near) = near {
                 // Away from the surface, lest it change back for ever.
-                field[near] = -1.5 * field[near];
+                field[near] *= -1.5;
             }
         }
         // The field stays even.

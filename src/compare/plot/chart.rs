@@ -7,7 +7,7 @@ use crate::compare::store::Results;
 /// Width and height of a chart.
 const SIZE: [f64; 2] = [480., 420.];
 /// Left, top, right and bottom of the frame inside it.
-const FRAME: [f64; 4] = [58., 34., 466., 320.];
+const FRAME: [f64; 4] = [70., 34., 466., 320.];
 /// Height of words.
 const WORDS: f64 = 13.;
 
@@ -102,7 +102,7 @@ fn words(at: [f64; 2], text: &str, size: f64, anchor: Anchor) -> Mark {
 /// Names under the chart, four in a row.
 fn legend(drawing: &mut Drawing, curves: &[(String, String)]) {
     for (i, (name, method)) in curves.iter().enumerate() {
-        let at = [FRAME[0] - 46. + 116. * (i % 4) as f64, FRAME[3] + 60. + 20. * (i / 4) as f64];
+        let at = [FRAME[0] - 58. + 116. * (i % 4) as f64, FRAME[3] + 60. + 20. * (i / 4) as f64];
         let line = vec![[at[0], at[1] - 4.], [at[0] + 16., at[1] - 4.]];
         drawing.marks.push(Mark::Line { points: line, ink: Ink::of(method), width: 3. });
         drawing.marks.push(words([at[0] + 21., at[1]], name, WORDS, Anchor::Start));

@@ -18,8 +18,9 @@ pub enum Ink {
 }
 
 /// The colour of each method: told apart by people who see colours otherwise, too, on light and on dark.
-pub const METHODS: [(&str, [u8; 3]); 8] = [
+pub const METHODS: [(&str, [u8; 3]); 9] = [
     ("lambert", [128, 128, 128]),
+    ("wrap", [150, 128, 84]),
     ("preintegrated", [86, 180, 233]),
     ("texture-space", [204, 153, 0]),
     ("gaussians", [0, 158, 115]),

@@ -16,6 +16,7 @@ pub trait Real:
     fn abs(self) -> Self;
     fn sqrt(self) -> Self;
     fn exp(self) -> Self;
+    fn ln(self) -> Self;
 
     fn clamped(self, low: f64, high: f64) -> Self {
         let (low, high) = (Self::of(low), Self::of(high));
@@ -50,6 +51,9 @@ macro_rules! real {
             }
             fn exp(self) -> Self {
                 self.exp()
+            }
+            fn ln(self) -> Self {
+                self.ln()
             }
         }
     };
