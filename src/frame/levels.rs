@@ -144,7 +144,7 @@ impl Levels {
             Quality::Ultra => (f64::INFINITY, 1),
         };
         let mut stride = 1;
-        for level in self.levels.iter_mut().rev().take(MOST_GATHERED) {
+        for level in &mut self.levels {
             let sigma_px = level.variance.sqrt() * pixels.middle;
             let enough = |s: &u32| *s <= coarsest && sigma_px >= f64::from(*s) * texels_per_sigma;
             let wanted = [4, 2].into_iter().find(enough).unwrap_or(1);
@@ -161,7 +161,7 @@ impl Levels {
 
     /// The widest levels are gathered where a sigma covers enough texels of the shadow maps, each `texel_mm` wide.
     pub fn gather(&mut self, texel_mm: f64) {
-        for level in &mut self.levels {
+        for level in self.levels.iter_mut().rev().take(MOST_GATHERED) {
             let sigma = level.variance.sqrt();
             level.gathered = sigma >= (LEAST_SIGMA_TEXELS * texel_mm).max(0.25 * self.length_mm);
         }
