@@ -13,6 +13,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "common/frame.glsl"
 #include "common/octahedral.glsl"
+#include "common/level_code.glsl"
 #include "common/tiles.glsl"
 #include "common/lights.glsl"
 
@@ -28,6 +29,7 @@ layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
 layout(set = 0, binding = 6, r32ui) uniform readonly uimage2D normal;  // the triangle's own where DETAIL
 layout(set = 0, binding = 3, r32ui) uniform writeonly uimage2D target;
 layout(set = 0, binding = 4, r32ui) uniform readonly uimage2D blurred;
+layout(set = 0, binding = 8, rg32ui) uniform readonly uimage2D soft;
 layout(set = 0, binding = 7, rgb10_a2) uniform readonly image2D mass;
 #if DETAIL
 layout(set = 0, binding = 5, r32ui) uniform readonly uimage2D blurred_geo;
@@ -78,6 +80,10 @@ void main() {
     vec3 position = view_position(pixel, z);
     vec3 n = octahedral_decode(imageLoad(normal, pixel).x);
     float scale = 2. * imageLoad(mass, pixel)[GATHERED];
+    // On a wide smooth sheet the camera sees all there is, and blurs it without a sample's error. Spread of the normals within
+    // the level, 1 - |n|^2, and mass tell what is not.
+    vec3 mean = level_normal(imageLoad(soft, texel).xy);
+    float needed = smoothstep(.015, .09, 1. - dot(mean, mean) + 2. * abs(1. / max(scale, .1) - 1.));
     vec2 found = vec2(0.), shares = vec2(0.);
     for (int i = 0; i < LIGHTS; ++i) {
         Light light = lights.light[i];
@@ -85,7 +91,7 @@ void main() {
         float c = dot(n, light.position);
         float x = gathered(light.layer, position, n, c) * scale;
         // At a terminator the light's view sees the surface edge on and few offsets find it; there the camera sees it better.
-        float share = smoothstep(.08, .3, abs(c));
+        float share = needed * smoothstep(.08, .3, abs(c));
         if (light.slot == 0) { found.x = x; shares.x = share; } else { found.y = x; shares.y = share; }
     }
     vec2 seen = unpackUnorm2x16(imageLoad(blurred, texel).x);

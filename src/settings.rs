@@ -253,6 +253,9 @@ pub struct Settings {
     /// No ambient occlusion from curvature.
     #[arg(long)]
     pub no_ao: bool,
+    /// Gather no light from the shadow map: `moments` blurs all of it on the screen.
+    #[arg(long)]
+    pub no_translucent: bool,
     /// Leave nothing out that a scene does not need: empty tiles, curvature, ambient light, texture coordinates, point lights.
     #[arg(long)]
     pub no_elide: bool,
@@ -299,6 +302,7 @@ impl Default for Settings {
             ambient: Ambient { up: [0.03; 3], down: [0.03; 3] },
             no_shadows: false,
             no_ao: false,
+            no_translucent: false,
             no_elide: false,
             size: Size { width: 1650, height: 1080 },
         }

@@ -58,7 +58,7 @@ fn bad_usage_and_bad_input_exit_with_2_and_say_why() -> Outcome {
         (render(&["--method", "magic"]), "lambert"),
         (render(&["--camera", "1,2"]), "yaw,pitch,distance"),
         (render(&["--camera", "-35,5,-750"]), "above 0"),
-        (render(&["--camera-index", "3"]), "0 cameras"),
+        (render(&["--camera-index", "3"]), "bust has 1 cameras"),
         (render(&["--light", "1,2,-3"]), "negative"),
         (render(&["--fov", "180"]), "180"),
         (render(&["--mm-per-unit", "0"]), "above 0"),

@@ -141,7 +141,9 @@ impl View {
         }
         let camera = self.camera(&scene)?;
         let lights = self.lights(&scene);
-        for warning in &scene.warnings {
+        // What is odd about the bust is known; nobody who draws it can mend it.
+        let mendable = self.verbose || self.scene != DEFAULT_SCENE;
+        for warning in scene.warnings.iter().filter(|_| mendable) {
             say(&format!("warning: {}: {warning}", self.scene));
         }
         if self.verbose {

@@ -254,9 +254,10 @@ impl Setup {
 /// Samples of each Gaussian that is gathered from the shadow map; 0: light is blurred on the screen alone.
 fn gather_taps(settings: &Settings) -> u32 {
     match (settings.method, settings.quality) {
-        (Method::Moments, Quality::Medium) => 24,
-        (Method::Moments, Quality::High) => 48,
-        (Method::Moments, Quality::Ultra) => 96,
+        _ if settings.no_translucent => 0,
+        (Method::Moments, Quality::Medium) => 32,
+        (Method::Moments, Quality::High) => 64,
+        (Method::Moments, Quality::Ultra) => 128,
         _ => 0,
     }
 }

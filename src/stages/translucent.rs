@@ -17,6 +17,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
             .constant("TAPS", s.taps)
             .constant("GATHERED", i as u32 - s.levels.first_gathered())
             .bind("target", target)
+            .bind("soft", format!("soft{i}"))
             .bind("normal", if s.detail { "facet" } else { "normal" })
             .bind("blurred", format!("softlit{i}"))
             .bind("blurred_geo", format!("softgeo{i}"))

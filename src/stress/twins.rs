@@ -163,6 +163,8 @@ fn sets(method: Method) -> Result<Vec<Set>, StressError> {
         set.lights.push(Light::directional(70., 10., 0.4));
         set.settings.quality = quality;
         set.settings.no_shadows = !shadows;
+        // What is gathered from the light's view has no twin.
+        set.settings.no_translucent = true;
         set.profile = Some(wax().scaled(0.4));
         if parallel {
             set.camera = Camera::orbit(-30., 75., 90., None, 30., &set.scene).with_orthographic(46., &set.scene);

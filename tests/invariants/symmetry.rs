@@ -32,23 +32,30 @@ fn flipped(p: &Picture) -> Picture {
 }
 
 /// A torus is its own mirror image. Its triangles are not, nor are the texels of a shadow map or which of two pixels an edge
-/// falls to, so this holds to a tolerance.
+/// falls to, so this holds to a tolerance. Nor is the spiral by which `moments` samples the light's view: that has a bound of
+/// its own.
 pub fn mirror(gpu: &Arc<Gpu>) -> Vec<Outcome> {
-    [Method::Lambert, Method::Pdss, Method::Moments]
-        .map(|method| {
+    [
+        (Method::Lambert, true, 2e-4),
+        (Method::Pdss, true, 2e-4),
+        (Method::Moments, true, 2e-4),
+        (Method::Moments, false, 1e-3),
+    ]
+        .map(|(method, on_screen, most)| {
             let picture = |yaw: f64| {
                 let mut set = Set::new("shape:torus:70,25", 420., settings(method, View::Scatter, SIZE));
                 set.camera = Camera::orbit(0., 40., 420., None, 30., &set.scene);
                 set.lights = vec![Light::directional(yaw, 35., 1.)];
+                set.settings.no_translucent = on_screen;
                 set.linear(gpu)
             };
             let (left, right) = (picture(-50.), picture(50.));
             let ([median, p99, max], lone) = compare(&left, &flipped(&right), 1.);
             let ([.., off, _], _) = compare(&left, &right, 1.);
             let text = format!(
-                "{method:?}: median {median:.1e}, p99 {p99:.1e}, max {max:.1e}, {lone} at the rim; not flipped: p99 {off:.1e}"
+                "{method:?}, on the screen alone {on_screen}: median {median:.1e}, p99 {p99:.1e}, max {max:.1e}, {lone} at the rim; not flipped: p99 {off:.1e}"
             );
-            Outcome { text, holds: median < 2e-4 && p99 < 1e-2 && lone < 20, can_fail: off > 0.1 }
+            Outcome { text, holds: median < most && p99 < 1e-2 && lone < 20, can_fail: off > 0.1 }
         })
         .into()
 }

@@ -69,6 +69,7 @@ fn a_cut_leads_to_the_surface_beyond_it() {
         "{} texels, {beyond} beyond the square, at most {worst:.1e} off; with u and v exchanged {swapped:.2}",
         filled.len()
     );
-    assert!(beyond > 1000 && worst < 2e-3, "{worst}");
+    // Three texels: what is as far beyond in mm is not quite as far in coordinates where they are stretched.
+    assert!(beyond > 1000 && worst < 3. / side as f32, "{worst}");
     assert!(swapped > 0.1, "the twin is caught");
 }

@@ -1,4 +1,4 @@
-//! The generator at a low resolution: twice the same, one disc, no triangle of the chart turned over.
+//! The generator, with a tenth of the triangles: twice the same, one disc, no triangle of the chart turned over.
 
 use bust::mesh::{Mesh, half};
 use bust::unwrap::unwrap;
@@ -13,10 +13,13 @@ fn turned(mesh: &Mesh, uv: &[DVec2]) -> usize {
     positive.min(mesh.triangles.len() - positive)
 }
 
+/// As fine as the asset is made: coarser, the rim of the ear does not hold together.
+const CELL_MM: f64 = 0.9;
+
 #[test]
 fn it_is_made_the_same_each_time_and_lies_flat() {
-    let mesh = half(2.0, 6000);
-    let again = half(2.0, 6000);
+    let mesh = half(CELL_MM, 6000);
+    let again = half(CELL_MM, 6000);
     assert!(mesh.positions == again.positions && mesh.triangles == again.triangles);
     let edges = (3 * mesh.triangles.len() + mesh.positions.iter().filter(|p| p.x == 0.).count()) / 2;
     println!("{} triangles, {} vertices", mesh.triangles.len(), mesh.positions.len());
