@@ -165,6 +165,12 @@ fn the_polynomial_against_rays() {
         case(&gpu, "trough 20", set(inside_out("shape:cylinder:20"), [0., 0., 100.], 10.), &sigmas),
         case(&gpu, "saddle 12", set(studio::shape("shape:saddle:12"), [0., 90., 60.], 30.), &sigmas),
     ];
+    let bust = Arc::new({
+        let mut s = Scene::bust(&LoadOptions::default()).expect("it comes with the program");
+        s.assign_profile(None, 0).expect("its skin");
+        s
+    });
+    cases.push(case(&gpu, "bust", set(bust, [-20., 0., 420.], 30.), &sigmas));
     for (name, file, mm) in [("head", "../shared/models/derived/LeePerrySmith_textured_metres.glb", 420.)] {
         if Path::new(file).is_file() {
             let head = Arc::new({

@@ -11,7 +11,7 @@
 //! | [`integral`] | pre-integration: stiffness, bounds, energy, the table as the device samples it |
 //! | [`size`] | picture sizes, crops, scale, scattering radii |
 //! | [`material`] | albedo, metal, masks, normal maps, meshes whose normals are not their geometry's |
-//! | [`file`] | hostile glTF: normals, triangles, transforms, units, counts |
+//! | [`mod@file`] | hostile glTF: normals, triangles, transforms, units, counts |
 //! | [`lighting`] | lights where they should not be, too strong, too many, none |
 //! | [`edge`] | what must not bleed into what |
 //! | [`twins`] | levels and light on the device against the same in f64 |
