@@ -7,6 +7,16 @@ use crate::shaders;
 
 /// Adds a pass for each level that is gathered.
 pub fn add(plan: &mut Plan, s: &Setup) {
+    if !s.mass {
+        let why = if s.taps == 0 {
+            "light is blurred on the screen alone at low quality or with --no-translucent"
+        } else if s.shadows.slots == 0 {
+            "no light casts a shadow"
+        } else {
+            "not every light whose shadow is scattered is directional, or no level is wide beside a shadow texel"
+        };
+        plan.leave_out("light from the light's view", why, 0);
+    }
     for (i, level) in s.levels.levels.iter().enumerate().filter(|(_, l)| l.gathered) {
         let target = format!("gathered{i}");
         plan.image_as(&target, ash::vk::Format::R32_UINT, s.size.map(|x| x.div_ceil(level.stride)), 1);
