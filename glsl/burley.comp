@@ -42,7 +42,7 @@ void main() {
         imageStore(scattered, pixel, vec4(own, 1.));
         return;
     }
-    // A channel that scatters nothing has a d of 0; its own light is put back at the end.
+    // A channel that scatters nothing has a d of 0: no sample weighs anything, and it keeps its light.
     vec3 per_d = 1. / max(d.rgb, 1e-12 * d.w), fall = -.48089835 * per_d;
     float widest_fall = -.48089835 / d.w;
     // Interleaved gradient noise (Jimenez 2014).
@@ -63,6 +63,8 @@ void main() {
         sum += w * imageLoad(irradiance, at).rgb;
         weights += w;
     }
-    bvec3 any_weight = greaterThan(min(weights, d.rgb), vec3(0.));
+    // Weights sum to about n where the disc is sampled. A channel so narrow that every sample lies beyond it keeps its light;
+    // without this the least of exponents would weigh all samples alike.
+    bvec3 any_weight = greaterThan(weights, vec3(1e-3 * float(n)));
     imageStore(scattered, pixel, light_encode(mix(own, sum / max(weights, 1e-30), any_weight)));
 }
