@@ -277,3 +277,21 @@ fn bad_questions_and_bad_directories_exit_with_2() -> Outcome {
     }
     Ok(())
 }
+
+/// A run that goes on reads what an earlier one wrote: one unit in the last place would be a
+/// figure that differs between two tables of the same measurement.
+#[test]
+fn figures_read_back_from_a_record_have_the_same_bits() -> Outcome {
+    let mut state = 1_u64;
+    let (mut tried, mut wrong) = (0, 0);
+    for _ in 0..20_000 {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let figure = (state >> 11) as f64 * (-53_f64).exp2() * 40.;
+        let read: f64 = serde_json::from_str(&serde_json::to_string(&figure)?)?;
+        tried += 1;
+        wrong += i32::from(read.to_bits() != figure.to_bits());
+    }
+    println!("{wrong} of {tried} figures came back with other bits");
+    assert_eq!(wrong, 0);
+    Ok(())
+}
