@@ -15,10 +15,9 @@ pub use setup::{Output, Setup};
 use crate::gpu::pipeline::Pipeline;
 use crate::gpu::submit::Recorded;
 use crate::gpu::timing::{Timer, TimingMode};
-use crate::gpu::{Buffer, Gpu, GpuError, Image, ImageDesc};
+use crate::gpu::{Block, Buffer, Gpu, GpuError, Image};
 use crate::methods;
-use crate::plan::{Plan, PlanError, TargetPlan};
-
+use crate::plan::{Need, Plan, PlanError};
 use crate::scene::{Camera, Draw, Light, Material, Scene};
 use crate::settings::{Integral, Settings, View};
 use crate::skin::profile::Profile;
@@ -130,6 +129,10 @@ impl Renderer {
         let start = Instant::now();
         let setup = Setup::new(&inputs)?;
         let mut plan = methods::plan(&setup)?;
+        plan.fit(|desc| {
+            let asked = gpu.requirements(desc);
+            Need { bytes: asked.size, alignment: asked.alignment, types: asked.memory_type_bits }
+        });
         edit(&mut plan);
         times.plan_ms = milliseconds(start);
         let start = Instant::now();
@@ -277,26 +280,24 @@ fn milliseconds(since: Instant) -> f64 {
     since.elapsed().as_secs_f64() * 1e3
 }
 
-/// Makes every image, those of one block in one piece of memory.
+/// Makes every image, where the plan says.
 fn create_images(gpu: &Arc<Gpu>, plan: &Plan) -> Result<BTreeMap<String, Image>, FrameError> {
-    let mut blocks: BTreeMap<usize, Vec<Image>> = BTreeMap::new();
-    for TargetPlan { desc, block, .. } in plan.targets.values() {
-        let mut desc: ImageDesc = desc.clone();
-        desc.array = desc.name == "shadow";
+    let block = |(arena, need): (usize, Need)| {
+        let requirements =
+            vk::MemoryRequirements { size: need.bytes, alignment: need.alignment, memory_type_bits: need.types };
+        Ok((arena, Block::new(gpu, &format!("targets {arena}"), requirements)?))
+    };
+    let blocks = plan.arenas().into_iter().map(block).collect::<Result<BTreeMap<_, _>, GpuError>>()?;
+    let mut images = BTreeMap::new();
+    for (name, t) in &plan.targets {
+        let desc = &t.desc;
         if !gpu.supports(desc.format, desc.usage) {
-            let text =
-                format!("{}: {:?} cannot be used as {:?} on {}", desc.name, desc.format, desc.usage, gpu.info().name);
+            let text = format!("{name}: {:?} cannot be used as {:?} on {}", desc.format, desc.usage, gpu.info().name);
             return Err(GpuError::Misuse(text).into());
         }
-        blocks.entry(*block).or_default().push(Image::unbound(gpu, desc)?);
-    }
-    let mut images = BTreeMap::new();
-    for (index, mut tenants) in blocks {
-        let block = Image::block(gpu, &format!("block {index}"), &tenants.iter().collect::<Vec<_>>())?;
-        for image in &mut tenants {
-            image.bind(&block)?;
-        }
-        images.extend(tenants.into_iter().map(|i| (i.desc.name.clone(), i)));
+        let mut image = Image::unbound(gpu, desc.clone())?;
+        image.bind(&blocks[&t.arena], t.offset)?;
+        images.insert(name.clone(), image);
     }
     Ok(images)
 }

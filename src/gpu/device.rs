@@ -331,6 +331,7 @@ fn missing_features(instance: &ash::Instance, physical: vk::PhysicalDevice) -> V
         (f12.host_query_reset, "hostQueryReset"),
         (f13.dynamic_rendering, "dynamicRendering"),
         (f13.synchronization2, "synchronization2"),
+        (f13.maintenance4, "maintenance4"),
     ]
     .into_iter()
     .filter(|(have, _)| *have == vk::FALSE)
@@ -360,7 +361,8 @@ fn logical(
         .sampler_anisotropy(have.sampler_anisotropy == vk::TRUE)
         .depth_clamp(have.depth_clamp == vk::TRUE);
     let mut f12 = vk::PhysicalDeviceVulkan12Features::default().scalar_block_layout(true).host_query_reset(true);
-    let mut f13 = vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true);
+    let mut f13 =
+        vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true).maintenance4(true);
     let extensions = [khr::push_descriptor::NAME.as_ptr()];
     let info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)

@@ -31,6 +31,19 @@ impl ImageDesc {
         Self { name: name.to_owned(), format, size, layers: 1, mips: 1, usage, array: false }
     }
 
+    fn info(&self) -> vk::ImageCreateInfo<'static> {
+        vk::ImageCreateInfo::default()
+            .image_type(vk::ImageType::TYPE_2D)
+            .format(self.format)
+            .extent(vk::Extent3D { width: self.size[0].max(1), height: self.size[1].max(1), depth: 1 })
+            .mip_levels(self.mips)
+            .array_layers(self.layers)
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .tiling(vk::ImageTiling::OPTIMAL)
+            .usage(self.usage)
+            .initial_layout(vk::ImageLayout::UNDEFINED)
+    }
+
     /// Depth or colour.
     pub fn aspect(&self) -> vk::ImageAspectFlags {
         if self.format == vk::Format::D32_SFLOAT { vk::ImageAspectFlags::DEPTH } else { vk::ImageAspectFlags::COLOR }
@@ -41,6 +54,23 @@ impl ImageDesc {
 pub struct Block {
     allocation: Option<Allocation>,
     gpu: Arc<Gpu>,
+}
+
+impl Block {
+    /// A block of device memory.
+    ///
+    /// # Errors
+    /// Where no memory type serves, or memory is out.
+    pub fn new(gpu: &Arc<Gpu>, name: &str, requirements: vk::MemoryRequirements) -> Result<Arc<Block>, GpuError> {
+        let allocation = gpu.allocate(&AllocationCreateDesc {
+            name,
+            requirements,
+            location: MemoryLocation::GpuOnly,
+            linear: false,
+            allocation_scheme: AllocationScheme::GpuAllocatorManaged,
+        })?;
+        Ok(Arc::new(Block { allocation: Some(allocation), gpu: gpu.clone() }))
+    }
 }
 
 impl Drop for Block {
@@ -73,8 +103,8 @@ impl Image {
     /// Where the driver or the allocator refuses.
     pub fn new(gpu: &Arc<Gpu>, desc: ImageDesc) -> Result<Self, GpuError> {
         let mut image = Self::unbound(gpu, desc)?;
-        let block = Self::block(gpu, &image.desc.name.clone(), &[&image])?;
-        image.bind(&block)?;
+        let block = Block::new(gpu, &image.desc.name.clone(), image.requirements)?;
+        image.bind(&block, 0)?;
         Ok(image)
     }
 
@@ -90,16 +120,7 @@ impl Image {
                 desc.name, desc.size[0], desc.size[1]
             )));
         }
-        let info = vk::ImageCreateInfo::default()
-            .image_type(vk::ImageType::TYPE_2D)
-            .format(desc.format)
-            .extent(vk::Extent3D { width: desc.size[0].max(1), height: desc.size[1].max(1), depth: 1 })
-            .mip_levels(desc.mips)
-            .array_layers(desc.layers)
-            .samples(vk::SampleCountFlags::TYPE_1)
-            .tiling(vk::ImageTiling::OPTIMAL)
-            .usage(desc.usage)
-            .initial_layout(vk::ImageLayout::UNDEFINED);
+        let info = desc.info();
         // SAFETY: a valid create info; the handle is owned by what is returned.
         let handle = unsafe { gpu.device.create_image(&info, None) }.named("vkCreateImage", &desc.name)?;
         gpu.born(handle, &desc.name);
@@ -117,37 +138,20 @@ impl Image {
         })
     }
 
-    /// One block of device memory that is large enough for each of `tenants`.
+    /// Gives the image its memory, from `offset` bytes into a block, and makes its views.
     ///
     /// # Errors
-    /// Where no memory type serves all of them, or memory is out.
-    pub fn block(gpu: &Arc<Gpu>, name: &str, tenants: &[&Image]) -> Result<Arc<Block>, GpuError> {
-        let mut requirements = vk::MemoryRequirements { size: 0, alignment: 1, memory_type_bits: !0 };
-        for t in tenants {
-            requirements.size = requirements.size.max(t.requirements.size);
-            requirements.alignment = requirements.alignment.max(t.requirements.alignment);
-            requirements.memory_type_bits &= t.requirements.memory_type_bits;
-        }
-        let allocation = gpu.allocate(&AllocationCreateDesc {
-            name,
-            requirements,
-            location: MemoryLocation::GpuOnly,
-            linear: false,
-            allocation_scheme: AllocationScheme::GpuAllocatorManaged,
-        })?;
-        Ok(Arc::new(Block { allocation: Some(allocation), gpu: gpu.clone() }))
-    }
-
-    /// Gives the image its memory and makes its views.
-    ///
-    /// # Errors
-    /// Where the driver refuses.
-    pub fn bind(&mut self, block: &Arc<Block>) -> Result<(), GpuError> {
+    /// Where the block is too short, or the driver refuses.
+    pub fn bind(&mut self, block: &Arc<Block>, offset: u64) -> Result<(), GpuError> {
         let Some(allocation) = &block.allocation else {
             return Err(GpuError::Misuse(format!("{}: the block has no memory", self.desc.name)));
         };
-        // SAFETY: the block was made large enough and of the right type for its tenants; an image is bound once.
-        unsafe { self.gpu.device.bind_image_memory(self.handle, allocation.memory(), allocation.offset()) }
+        if offset + self.bytes > allocation.size() {
+            let text = format!("{}: {} bytes from {offset} do not fit its block", self.desc.name, self.bytes);
+            return Err(GpuError::Misuse(text));
+        }
+        // SAFETY: the block is of a type that serves its tenants, and ends behind this one; an image is bound once.
+        unsafe { self.gpu.device.bind_image_memory(self.handle, allocation.memory(), allocation.offset() + offset) }
             .named("vkBindImageMemory", &self.desc.name)?;
         self.memory = Some(block.clone());
         let array = self.desc.array || self.desc.layers > 1;
@@ -202,6 +206,18 @@ impl Drop for Image {
             }
             self.gpu.device.destroy_image(self.handle, None);
         }
+    }
+}
+
+impl Gpu {
+    /// What an image would ask of its memory, without making it.
+    pub fn requirements(&self, desc: &ImageDesc) -> vk::MemoryRequirements {
+        let info = desc.info();
+        let ask = vk::DeviceImageMemoryRequirements::default().create_info(&info);
+        let mut answer = vk::MemoryRequirements2::default();
+        // SAFETY: a valid create info; maintenance4 is enabled.
+        unsafe { self.device.get_device_image_memory_requirements(&ask, &mut answer) };
+        answer.memory_requirements
     }
 }
 

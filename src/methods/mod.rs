@@ -28,10 +28,6 @@ pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
     plan.image(kept, s.size);
     // What projects below a pixel everywhere is a point, and nothing is left to scatter.
     let method = if s.diffuses { s.settings.method } else { Method::Lambert };
-    if !(method == Method::Preintegrated && s.lit_view()) {
-        // Tiles without a surface are never visited: their colour is the clear's. A raster pass clears for itself.
-        plan.clear("clear", kept, [0.; 4]);
-    }
     match method {
         Method::Lambert => lambert::frame(&mut plan, s),
         Method::Pdss => pdss::frame(&mut plan, s),

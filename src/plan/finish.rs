@@ -1,6 +1,6 @@
 //! From what passes touch to lifetimes, shared memory and barriers.
 
-use super::{Domain, Plan, PlanError, TargetPlan, Work, texel_bytes};
+use super::{Domain, Plan, PlanError, Work};
 use crate::gpu::usage::{State, Usage};
 use crate::shaders::{BindingKind, Shader};
 use ash::vk;
@@ -22,7 +22,9 @@ impl Plan {
                             resource: name.clone(),
                         });
                     }
-                    t.lifetime = (t.lifetime.0.min(index), t.lifetime.1.max(index));
+                    // What the host reads is needed until the next frame begins.
+                    let last = if t.kept { self.passes.len() } else { index };
+                    t.lifetime = (t.lifetime.0.min(index), t.lifetime.1.max(last));
                     t.desc.usage |= image_usage(*usage);
                 }
             }
@@ -33,9 +35,15 @@ impl Plan {
         for name in unused {
             self.targets.remove(&name);
         }
-        let tenants = self.share_memory();
-        self.place_barriers(&tenants);
+        self.arrange();
         Ok(())
+    }
+
+    /// Gives each image its place in memory, and places the barriers that follow.
+    pub(super) fn arrange(&mut self) {
+        self.share_memory();
+        let tenants = self.targets.iter().map(|(name, t)| (name.clone(), self.overlapping(name, t))).collect();
+        self.place_barriers(&tenants);
     }
 
     /// What a pass touches, from its shader and attachments.
@@ -96,48 +104,6 @@ impl Plan {
             self.image_as(&name, format, [1, 1], 1);
         }
         name
-    }
-
-    /// Gives each transient image a block; images whose lifetimes do not meet may share one. Returns, for each image, the
-    /// earlier tenants of its block.
-    fn share_memory(&mut self) -> BTreeMap<String, Vec<String>> {
-        let size = |t: &TargetPlan| {
-            u64::from(t.desc.size[0])
-                * u64::from(t.desc.size[1])
-                * u64::from(t.desc.layers)
-                * texel_bytes(t.desc.format)
-        };
-        let mut order: Vec<(String, u64)> = self.targets.iter().map(|(n, t)| (n.clone(), size(t))).collect();
-        order.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
-        let mut blocks: Vec<Vec<String>> = Vec::new();
-        for (name, _) in order {
-            let me = &self.targets[&name];
-            let (first, last, kept, depth) =
-                (me.lifetime.0, me.lifetime.1, me.kept, me.desc.aspect() == vk::ImageAspectFlags::DEPTH);
-            let fits = |tenants: &Vec<String>| {
-                tenants.iter().all(|t| {
-                    let t = &self.targets[t];
-                    let same_kind = (t.desc.aspect() == vk::ImageAspectFlags::DEPTH) == depth;
-                    let apart = t.lifetime.1 < first || last < t.lifetime.0;
-                    same_kind && apart && !t.kept && !kept
-                })
-            };
-            let block = blocks.iter().position(fits).unwrap_or(blocks.len());
-            if block == blocks.len() {
-                blocks.push(Vec::new());
-            }
-            blocks[block].push(name.clone());
-            if let Some(t) = self.targets.get_mut(&name) {
-                t.block = block;
-            }
-        }
-        let mut tenants = BTreeMap::new();
-        for block in &blocks {
-            for name in block {
-                tenants.insert(name.clone(), block.iter().filter(|n| *n != name).cloned().collect());
-            }
-        }
-        tenants
     }
 
     /// Walks the frame twice: the first round finds how each resource ends a frame, the second starts from there, so that

@@ -11,6 +11,9 @@ use ash::vk;
 use std::collections::BTreeMap;
 
 mod finish;
+mod memory;
+
+pub use memory::Need;
 
 /// What cannot be planned; a fault of a stage or a shader, not of the input.
 #[derive(Debug, thiserror::Error)]
@@ -120,8 +123,12 @@ pub struct TargetPlan {
     pub desc: ImageDesc,
     /// First and last pass that touch it.
     pub lifetime: (usize, usize),
-    /// Number of the memory block it lives in; images of one block take turns.
-    pub block: usize,
+    /// What its memory must be.
+    pub need: Need,
+    /// Memory it lies in: images that the same kinds of memory serve share one.
+    pub arena: usize,
+    /// Where it begins there, bytes. Images that are never needed at once may overlap.
+    pub offset: u64,
     /// It outlives the frame: the host reads it.
     pub kept: bool,
 }
@@ -171,7 +178,9 @@ impl Plan {
     pub fn image_as(&mut self, name: &str, format: vk::Format, size: [u32; 2], layers: u32) {
         let mut desc = ImageDesc::new(name, format, size, vk::ImageUsageFlags::empty());
         desc.layers = layers;
-        self.targets.insert(name.to_owned(), TargetPlan { desc, lifetime: (usize::MAX, 0), block: 0, kept: false });
+        desc.array = name == "shadow";
+        let (need, lifetime) = (Need::of_texels(&desc), (usize::MAX, 0));
+        self.targets.insert(name.to_owned(), TargetPlan { desc, lifetime, need, arena: 0, offset: 0, kept: false });
     }
 
     /// Declares a buffer that the device writes.
@@ -246,22 +255,9 @@ impl Plan {
         self.pass(name, Work::Clear { image: image.to_owned(), value });
     }
 
-    /// Bytes of device memory for the frame's images: what the blocks take, and what they would take unshared.
-    pub fn bytes(&self) -> (u64, u64) {
-        let mut blocks: BTreeMap<usize, u64> = BTreeMap::new();
-        let mut all = 0;
-        for t in self.targets.values() {
-            let bytes = self.target_bytes(t);
-            all += bytes;
-            let block = blocks.entry(t.block).or_default();
-            *block = (*block).max(bytes);
-        }
-        (blocks.values().sum(), all)
-    }
-
     /// Bytes of texels of one image.
     pub fn target_bytes(&self, t: &TargetPlan) -> u64 {
-        u64::from(t.desc.size[0]) * u64::from(t.desc.size[1]) * u64::from(t.desc.layers) * texel_bytes(t.desc.format)
+        memory::texels(&t.desc)
     }
 }
 

@@ -121,8 +121,8 @@ pub struct TargetWords {
     pub bytes: u64,
     /// First and last pass that touch it.
     pub lifetime: [String; 2],
-    /// Block of memory; images of one block take turns.
-    pub block: usize,
+    /// Where it begins in the frame's memory, bytes; images that are never needed at once may overlap.
+    pub offset: u64,
     /// The host reads it after the frame.
     pub kept: bool,
     /// What a texel means, who writes and who reads it.
@@ -262,31 +262,25 @@ fn first_use(plan: &Plan, index: usize, name: &str, barrier: &Barrier) -> String
         last.map(|i| (i, format!("{resource} ({})", plan.passes[i].name)))
     };
     let own = last_user(name).map_or_else(|| name.to_owned(), |(_, words)| words);
-    let block = plan.targets.get(name).map(|t| t.block);
-    let sharers: Vec<(usize, String)> = plan
-        .targets
-        .iter()
-        .filter(|(n, t)| *n != name && Some(t.block) == block)
-        .filter_map(|(n, _)| last_user(n))
-        .collect();
+    let over = plan.targets.get(name).map_or(Vec::new(), |t| plan.overlapping(name, t));
+    let sharers: Vec<(usize, String)> = over.iter().filter_map(|n| last_user(n)).collect();
     let Some((_, words)) = sharers.iter().filter(|(i, _)| *i < index).max_by_key(|(i, _)| *i) else {
         let mut before: Vec<String> = sharers.into_iter().map(|(_, words)| words).collect();
         before.push(own);
         return format!("next frame: {me} waits until the frame before is done with {}", before.join(", "));
     };
-    let block = block.map_or_else(String::new, |b| format!(" {b}"));
-    format!("reuse of memory: {me} takes block{block} over from {words}")
+    format!("reuse of memory: {me} takes bytes over from {words}")
 }
 
 fn target_words(plan: &Plan) -> Vec<TargetWords> {
-    let pass = |i: usize| plan.passes.get(i).map(|p| p.name.clone()).unwrap_or_default();
+    let pass = |i: usize| plan.passes.get(i).map_or("the host".to_owned(), |p| p.name.clone());
     let words = |(name, t): (&String, &crate::plan::TargetPlan)| TargetWords {
         name: name.clone(),
         format: format!("{:?}", t.desc.format),
         size: [t.desc.size[0], t.desc.size[1], t.desc.layers],
         bytes: plan.target_bytes(t),
         lifetime: [pass(t.lifetime.0), pass(t.lifetime.1)],
-        block: t.block,
+        offset: t.offset,
         kept: t.kept,
         meaning: targets::describe(name).map_or("", |d| d.meaning),
     };
@@ -312,7 +306,7 @@ impl Display for Explanation {
                 writeln!(f, "            {} -> {}{layouts}", b.from, b.to)?;
             }
         }
-        let mut table = Table::new(&["target", "format", "size", "bytes", "block", "from", "to", "meaning"]);
+        let mut table = Table::new(&["target", "format", "size", "bytes", "at", "from", "to", "meaning"]);
         for t in &self.targets {
             let layers = if t.size[2] > 1 { format!(" x {}", t.size[2]) } else { String::new() };
             table.row([
@@ -320,7 +314,7 @@ impl Display for Explanation {
                 t.format.clone(),
                 format!("{} x {}{layers}", t.size[0], t.size[1]),
                 human(t.bytes),
-                format!("{}{}", t.block, if t.kept { " kept" } else { "" }),
+                format!("{}{}", human(t.offset), if t.kept { " kept" } else { "" }),
                 t.lifetime[0].clone(),
                 t.lifetime[1].clone(),
                 t.meaning.to_owned(),

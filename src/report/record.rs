@@ -66,8 +66,8 @@ pub struct TargetMemory {
     pub target: String,
     /// Its texels.
     pub bytes: u64,
-    /// Number of the block that it shares.
-    pub block: usize,
+    /// Where it begins; images that are never needed at once may overlap.
+    pub offset: u64,
 }
 
 /// The device memory of a frame's images.
@@ -153,7 +153,7 @@ impl Record {
         let target = |(name, t): (&String, &crate::plan::TargetPlan)| TargetMemory {
             target: name.clone(),
             bytes: plan.target_bytes(t),
-            block: t.block,
+            offset: t.offset,
         };
         Record {
             schema: SCHEMA,

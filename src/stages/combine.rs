@@ -13,6 +13,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         return;
     }
     let view = s.settings.view;
+    tiles::background(plan, s);
     let pass = plan
         .compute("combine", &shaders::COMBINE, Domain::Tiles(tiles::SURFACE))
         .constant("OUTPUT", s.lit_output())

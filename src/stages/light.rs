@@ -25,6 +25,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         _ => &shaders::LIGHT_LAMBERT,
     };
     let levels = s.levels.levels.len();
+    tiles::background(plan, s);
     let pass = plan
         .compute("light", shader, Domain::Tiles(tiles::SURFACE))
         .constant("OUTPUT", s.lit_output())

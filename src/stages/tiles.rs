@@ -16,6 +16,12 @@ pub fn scatter(stride: u32) -> &'static str {
     }
 }
 
+/// Adds a clear of the picture, before whoever writes it: tiles without a surface are never visited, and their colour is the
+/// clear's. As late as that, the picture can lie where what has been read already lay.
+pub fn background(plan: &mut Plan, s: &Setup) {
+    plan.clear("clear", s.picture(), [0.; 4]);
+}
+
 /// Adds the passes.
 pub fn add(plan: &mut Plan, s: &Setup) {
     let mut strides: Vec<u32> = std::iter::once(1).chain(s.levels.levels.iter().map(|l| l.stride)).collect();

@@ -26,6 +26,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         View::Lit => (&shaders::VIEW_LIT, "lit".to_owned()),
         _ => (&shaders::VIEW_DEPTH, String::new()),
     };
+    tiles::background(plan, s);
     plan.compute("view", shader, Domain::Tiles(tiles::SURFACE))
         .constant("ROOTED", u32::from(s.settings.view == View::Albedo))
         .constant("STRIDE", s.levels.levels.last().map_or(1, |l| l.stride))
