@@ -290,3 +290,37 @@ fn without_any_driver_the_exit_code_is_3() -> Outcome {
     assert_eq!(run(&["explain", "shape:plane"])?.status.code(), Some(0));
     Ok(())
 }
+
+/// Scenes that can be drawn, and in its place the reason of one that cannot.
+#[test]
+fn a_contact_sheet_holds_what_can_be_drawn_and_says_what_cannot() -> Outcome {
+    if no_device() {
+        return Ok(());
+    }
+    let dir = tempfile::tempdir()?;
+    let (sheet, broken) = (dir.path().join("sheet.png"), dir.path().join("broken.gltf"));
+    std::fs::write(&broken, r#"{"asset": {"version": "2.0"}, "scene": 5, "scenes": []}"#)?;
+    let [path, bad] = [&sheet, &broken].map(|p| p.display().to_string());
+    let cells = ["--contact-sheet", "--cell", "64x48", "--validate", "-o"];
+    let out = pdss(&[&["render", "shape:sphere:30", &bad, "shape:cube:20"], &cells[..], &[&path]].concat())?;
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    assert!(text(&out.stderr).contains("refused: ") && text(&out.stderr).contains("broken.gltf: scene: "));
+    let picture = image::open(&sheet)?.into_rgb8();
+    // Colours of paper and letters alone in the broken one's cell, many in the others.
+    let colours = |column: u32, row: u32| {
+        let (x, y) = (6 + column * 70, 6 + row * 64);
+        let all = (0..48 * 64).map(|i| picture.get_pixel(x + i % 64, y + i / 64).0);
+        all.collect::<std::collections::HashSet<_>>().len()
+    };
+    assert_eq!(picture.dimensions(), (2 * 70 + 6, 2 * 64 + 6));
+    assert!(
+        colours(0, 0) > 50 && colours(1, 0) == 2 && colours(0, 1) > 4,
+        "{} {} {}",
+        colours(0, 0),
+        colours(1, 0),
+        colours(0, 1)
+    );
+    let alone = pdss(&["render", "shape:cube:20", "shape:sphere:30", "-o", &path])?;
+    assert_eq!(fault(&alone, 2, "contact-sheet"), None);
+    Ok(())
+}

@@ -17,5 +17,7 @@ mod fixture;
 mod geometry;
 #[path = "scene/lies.rs"]
 mod lies;
+#[path = "scene/motion.rs"]
+mod motion;
 #[path = "scene/shapes.rs"]
 mod shapes;

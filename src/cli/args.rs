@@ -7,8 +7,8 @@ use glam::DVec3;
 use pdss::frame::{Inputs, Output};
 use pdss::gpu::timing::TimingMode;
 use pdss::gpu::{Gpu, GpuError, Options};
-use pdss::scene::{Camera, Light, LoadOptions, Scene};
-use pdss::settings::{Method, Settings};
+use pdss::scene::{Camera, Light, LoadOptions, Pose, Scene};
+use pdss::settings::{Method, Settings, Size, View as Show};
 use pdss::skin::profile::Profile;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -38,7 +38,7 @@ impl Aim {
 }
 
 /// The scene and how it is seen.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct View {
     /// A .gltf or .glb file, bust (the head that comes with the program), or shape:plane, shape:sphere:R, shape:cylinder:R, shape:torus:R,r, shape:saddle:a,
     /// shape:cube:a, shape:ellipsoid:a,b,c (mm).
@@ -71,6 +71,12 @@ pub struct View {
     /// Millimetres in one unit of the file. Default: 1000.
     #[arg(long, value_name = "X", allow_hyphen_values = true, value_parser = parse_positive)]
     mm_per_unit: Option<f64>,
+    /// Pose the scene by an animation of the file, from 0. Default: 0 where --time is given, else none.
+    #[arg(long, value_name = "N")]
+    animation: Option<usize>,
+    /// Time of the animation, seconds.
+    #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = parse_time)]
+    time: Option<f64>,
     #[command(flatten)]
     settings: Settings,
     #[command(flatten)]
@@ -81,7 +87,7 @@ pub struct View {
 }
 
 /// The device and how closely it is watched.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct Device {
     /// Device by its index in `pdss devices` or part of its name. Default: the fastest kind there is.
     #[arg(long, value_name = "INDEX|NAME")]
@@ -120,6 +126,11 @@ impl Stage {
         }
     }
 
+    /// Whether the picture is made by lighting, and not of a target's numbers.
+    pub fn lit(&self) -> bool {
+        matches!(self.settings.view, Show::Final | Show::Scatter | Show::Irradiance | Show::Ao)
+    }
+
     /// Width and height of the picture in pixels.
     pub fn size(&self) -> [u32; 2] {
         [self.settings.size.width, self.settings.size.height]
@@ -127,10 +138,64 @@ impl Stage {
 }
 
 impl View {
+    /// The scene as it was named.
+    pub fn scene(&self) -> &str {
+        &self.scene
+    }
+
+    /// The device it is drawn on.
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// The same view of another scene, in a picture of this size.
+    pub fn of(&self, scene: &str, size: Size) -> View {
+        let settings = Settings { size, ..self.settings.clone() };
+        View { scene: scene.to_owned(), settings, ..self.clone() }
+    }
+
+    /// The same view `seconds` later.
+    pub fn later(&self, seconds: f64) -> View {
+        View { time: Some(self.time.unwrap_or(0.) + seconds), ..self.clone() }
+    }
+
+    fn pose(&self) -> Option<Pose> {
+        let posed = self.animation.is_some() || self.time.is_some();
+        posed.then(|| Pose { animation: self.animation.unwrap_or(0), time: self.time.unwrap_or(0.) })
+    }
+
     /// Loads the scene and the profile, places the camera and the lights.
     pub fn load(&self) -> Result<Stage, Failure> {
-        let options =
-            LoadOptions { mm_per_unit: self.mm_per_unit, keep_uvs: self.settings.method == Method::TextureSpace };
+        let stage = self.load_silently()?;
+        // What is odd about the bust is known; nobody who draws it can mend it.
+        let mendable = self.verbose || self.scene != DEFAULT_SCENE;
+        for warning in stage.scene.warnings.iter().filter(|_| mendable) {
+            say(&format!("warning: {}: {warning}", self.scene));
+        }
+        if self.verbose {
+            let profile = stage.profile.as_ref().map_or("none", |p| p.name.as_str());
+            say(&format!(
+                "{}: {} triangles, {} materials, profile {profile}, camera {}, {} lights",
+                self.scene,
+                stage.scene.triangle_count(),
+                stage.scene.materials.len(),
+                stage.camera.name,
+                stage.lights.len()
+            ));
+        }
+        Ok(stage)
+    }
+
+    /// The same without a word.
+    pub fn load_silently(&self) -> Result<Stage, Failure> {
+        let options = LoadOptions {
+            mm_per_unit: self.mm_per_unit,
+            keep_uvs: self.settings.method == Method::TextureSpace,
+            pose: self.pose(),
+        };
+        if options.pose.is_some() && self.scene.starts_with("shape:") {
+            return Err(Failure::Input(format!("--animation: {} stands still; a glTF file may move", self.scene)));
+        }
         let profile = match self.profile.as_str() {
             "none" => None,
             name => Some(Profile::resolve(name)?),
@@ -141,22 +206,6 @@ impl View {
         }
         let camera = self.camera(&scene)?;
         let lights = self.lights(&scene);
-        // What is odd about the bust is known; nobody who draws it can mend it.
-        let mendable = self.verbose || self.scene != DEFAULT_SCENE;
-        for warning in scene.warnings.iter().filter(|_| mendable) {
-            say(&format!("warning: {}: {warning}", self.scene));
-        }
-        if self.verbose {
-            let profile = profile.as_ref().map_or("none", |p| p.name.as_str());
-            say(&format!(
-                "{}: {} triangles, {} materials, profile {profile}, camera {}, {} lights",
-                self.scene,
-                scene.triangle_count(),
-                scene.materials.len(),
-                camera.name,
-                lights.len()
-            ));
-        }
         Ok(Stage { name: self.scene.clone(), scene, camera, lights, profile, settings: self.settings.clone() })
     }
 
@@ -285,6 +334,13 @@ fn parse_fov(text: &str) -> Result<f64, String> {
         .ok()
         .filter(right)
         .ok_or_else(|| "the vertical field of view lies between 0 and 180 degrees".to_owned())
+}
+
+fn parse_time(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|x: &f64| x.is_finite())
+        .ok_or_else(|| "that is no time in seconds; 1.5 would be".to_owned())
 }
 
 pub fn parse_positive(text: &str) -> Result<f64, String> {

@@ -3,6 +3,7 @@
 mod args;
 mod calibrate;
 mod compare;
+mod contact_sheet;
 mod devices;
 mod diff;
 mod explain;

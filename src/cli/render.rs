@@ -2,7 +2,7 @@
 
 use super::args::{self, Stage, View, parse_positive};
 use super::failure::Failure;
-use super::{calibrate, say};
+use super::{calibrate, contact_sheet, say};
 use clap::{Args, ValueEnum};
 use pdss::compare::calibration::Wish;
 use pdss::compare::columns::significant;
@@ -13,8 +13,8 @@ use pdss::report::measure::{self, Warmup};
 use pdss::report::picture::{self, Format};
 use pdss::report::stats::Summary;
 use pdss::report::{preview, supersample};
-use pdss::settings::{Method, Quality, Size, View as Show};
-use std::path::PathBuf;
+use pdss::settings::{Method, Quality, Size, parse_size};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Options of `pdss render`.
@@ -22,12 +22,25 @@ use std::sync::Arc;
 pub struct Render {
     #[command(flatten)]
     view: View,
+    /// More scenes, for a contact sheet.
+    #[arg(value_name = "SCENE", requires = "contact_sheet")]
+    more: Vec<String>,
+    /// All scenes on one .png, named below each; one that is refused says why in its place.
+    #[arg(long)]
+    contact_sheet: bool,
+    /// Size of a scene on a contact sheet, in pixels.
+    #[arg(long, value_name = "WxH", default_value = "256x192", value_parser = parse_size, requires = "contact_sheet")]
+    cell: Size,
     /// The picture: .png, tone-mapped, or .exr, linear 32-bit float whose A is coverage.
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
-    /// Frames drawn before the picture is taken.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
-    frames: u32,
+    /// Frames drawn before the picture is taken; or, as A..B, a sequence: frames A to B, both included, of the file's animation,
+    /// each a picture with its number before the extension.
+    #[arg(long, value_name = "N|A..B", default_value = "1", value_parser = parse_frames)]
+    frames: Frames,
+    /// Frames a second of a sequence; frame 0 is at --time.
+    #[arg(long, value_name = "F", default_value_t = 24., value_parser = parse_positive)]
+    fps: f64,
     /// Samples of a pixel along each axis, averaged in linear light: for lit PNGs. EXR and other views have one.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=4))]
     supersample: u32,
@@ -40,43 +53,98 @@ pub struct Render {
     max_error: Option<f64>,
 }
 
+/// Which frames are drawn, and what is kept of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Frames {
+    /// The same this often; the last is kept.
+    Still(u32),
+    /// Moments of an animation, both ends included; each is kept.
+    Sequence(u32, u32),
+}
+
+fn parse_frames(text: &str) -> Result<Frames, String> {
+    let read = match text.split_once("..") {
+        Some((first, last)) => first.parse().ok().zip(last.parse().ok()).map(|(a, b)| Frames::Sequence(a, b)),
+        None => text.parse().ok().map(Frames::Still),
+    };
+    match read {
+        Some(Frames::Still(0)) | None => {
+            Err("that is no number of frames above 0 and no range; 0..47 would be".to_owned())
+        }
+        Some(Frames::Sequence(a, b)) if a > b => Err(format!("frame {b} comes before {a}; {b}..{a} would be a range")),
+        Some(frames) => Ok(frames),
+    }
+}
+
 impl Render {
-    /// Draws, and writes the picture.
+    /// Draws, and writes the picture, or the pictures.
     pub fn run(&self) -> Result<(), Failure> {
         let format = picture::format_of(&self.output)?;
-        let mut stage = self.view.load()?;
-        let size = stage.size();
+        if self.contact_sheet {
+            let scenes: Vec<&str> =
+                [self.view.scene()].into_iter().chain(self.more.iter().map(String::as_str)).collect();
+            return contact_sheet::draw(&self.view, &scenes, self.cell, self.supersample, &self.output);
+        }
+        let (first, repeat) = match self.frames {
+            Frames::Still(count) => (self.view.load()?, count),
+            Frames::Sequence(first, _) => (self.at(first).load()?, 1),
+        };
         let gpu = self.view.open()?;
+        match self.frames {
+            Frames::Still(_) => self.draw(&gpu, first, format, repeat, &self.output)?,
+            Frames::Sequence(start, end) => {
+                // What is odd about the file is said once.
+                self.draw(&gpu, first, format, repeat, &self.numbered(start))?;
+                for frame in start + 1..=end {
+                    let stage = self.at(frame).load_silently()?;
+                    self.draw(&gpu, stage, format, repeat, &self.numbered(frame))?;
+                }
+            }
+        }
+        args::close(gpu)
+    }
+
+    /// The view at a frame of a sequence.
+    fn at(&self, frame: u32) -> View {
+        self.view.later(f64::from(frame) / self.fps)
+    }
+
+    /// head.png, frame 7: head.0007.png.
+    fn numbered(&self, frame: u32) -> PathBuf {
+        let extension = self.output.extension().unwrap_or_default().to_string_lossy();
+        self.output.with_extension(format!("{frame:04}.{extension}"))
+    }
+
+    fn draw(&self, gpu: &Arc<Gpu>, mut stage: Stage, format: Format, repeat: u32, path: &Path) -> Result<(), Failure> {
+        let size = stage.size();
         let wish = Wish { budget_ms: self.budget_ms, max_error: self.max_error };
         if wish != Wish::default() {
-            choose(&gpu, &mut stage, wish)?;
+            choose(gpu, &mut stage, wish)?;
         }
         let output = match format {
             Format::Png => Output::Ldr,
             Format::Exr => Output::Linear,
         };
-        let lit = matches!(stage.settings.view, Show::Final | Show::Scatter | Show::Irradiance | Show::Ao);
         let most = gpu.limits().max_image_dimension2_d / size[0].max(size[1]);
-        let samples = if lit && format == Format::Png { self.supersample.min(most).max(1) } else { 1 };
+        let samples = if stage.lit() && format == Format::Png { self.supersample.min(most).max(1) } else { 1 };
         stage.settings.size = Size { width: size[0] * samples, height: size[1] * samples };
-        let mut renderer = Renderer::new(&gpu, stage.inputs(None, output))?;
-        for _ in 0..self.frames {
+        let mut renderer = Renderer::new(gpu, stage.inputs(None, output))?;
+        for _ in 0..repeat {
             renderer.run()?;
         }
         match (format, renderer.output()) {
             (Format::Png, Output::Ldr) => {
-                picture::write_png(&self.output, size, &supersample::average(&renderer.ldr()?, size, samples))?;
+                picture::write_png(path, size, &supersample::average(&renderer.ldr()?, size, samples))?;
             }
-            (Format::Exr, _) => picture::write_exr(&self.output, size, &renderer.linear()?)?,
+            (Format::Exr, _) => picture::write_exr(path, size, &renderer.linear()?)?,
             // A view of numbers is linear whatever the picture is; a PNG shows them to people.
             (Format::Png, Output::Linear) => {
                 let (texels, meaning) = preview::encode(stage.settings.view, &renderer.linear()?);
-                self.view.tell(&format!("{}: {meaning}", self.output.display()));
-                picture::write_png(&self.output, size, &texels)?;
+                self.view.tell(&format!("{}: {meaning}", path.display()));
+                picture::write_png(path, size, &texels)?;
             }
         }
-        drop(renderer);
-        args::close(gpu)
+        Ok(())
     }
 }
 

@@ -147,7 +147,7 @@ impl Subject {
         size: Size,
     ) -> Result<Subject, SceneError> {
         // Methods that work in texture space need coordinates even where nothing is textured.
-        let mut scene = Scene::open(&spec.base, &LoadOptions { mm_per_unit, keep_uvs: true })?;
+        let mut scene = Scene::open(&spec.base, &LoadOptions { mm_per_unit, keep_uvs: true, pose: None })?;
         match spec.form {
             Form::Plain => {}
             Form::Bumps { ring_mm, height_mm, waves } => deform(&mut scene, |p| bumps(p, ring_mm, height_mm, waves)),

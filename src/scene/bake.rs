@@ -21,6 +21,7 @@ const THINNEST: f64 = 1e-12;
 const UNIT_SLACK: f64 = 0.05;
 
 /// Vertices and triangles of one material as the file has them, all indices in range.
+#[derive(Clone)]
 pub(super) struct LocalPrimitive {
     /// Index of the scene's material.
     pub material: usize,
@@ -179,7 +180,7 @@ fn drop_duplicates(triangles: &mut Vec<[u32; 3]>) -> usize {
 
 /// The matrix that carries normals: the cofactors, which are the inverse transpose up to a positive factor but also
 /// exist where a node is scaled flat.
-fn normal_matrix(m: &DMat3) -> DMat3 {
+pub(super) fn normal_matrix(m: &DMat3) -> DMat3 {
     let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
     DMat3::from_cols(m.y_axis.cross(m.z_axis) * sign, m.z_axis.cross(m.x_axis) * sign, m.x_axis.cross(m.y_axis) * sign)
 }

@@ -81,11 +81,18 @@ impl Camera {
     }
 
     /// A perspective camera that sees the whole bounding box from the front (+Z), or from above where the box is flat
-    /// and lies. `fov_y_deg` is vertical, in degrees; `aspect` is width over height.
+    /// and lies; of a flat box the side that more of its surface faces. `fov_y_deg` is vertical, in degrees; `aspect` is
+    /// width over height.
     pub fn default_for(scene: &Scene, fov_y_deg: f64, aspect: f64) -> Self {
         let half = scene.bounds.size().as_dvec3() / 2.0;
         let lies = half.y < 0.05 * half.x.max(half.z);
-        let (yaw, pitch) = if lies { (0.0, 60.0) } else { (0.0, 0.0) };
+        let stands = half.z < 0.05 * half.x.max(half.y);
+        let (yaw, pitch) = match (lies, stands) {
+            (true, _) if faces(scene).y < 0.0 => (0.0, -60.0),
+            (true, _) => (0.0, 60.0),
+            (_, true) if faces(scene).z < 0.0 => (180.0, 0.0),
+            _ => (0.0, 0.0),
+        };
         let distance = framing_distance(half, yaw, pitch, fov_y_deg, aspect);
         let mut camera = Self::orbit(yaw, pitch, distance, None, fov_y_deg, scene);
         camera.name = "default".to_owned();
@@ -163,4 +170,11 @@ pub(crate) fn framing_distance(half: DVec3, yaw: f64, pitch: f64, fov_y_deg: f64
         corners.map(|c| c.dot(back) + (c.dot(right).abs() / tan_x).max(c.dot(up).abs() / tan_y)).fold(0.0, f64::max);
     // A scene of one point, or none, is seen from a metre.
     if distance > 0.0 { distance } else { 1000.0 }
+}
+
+/// Twice the vector area of the drawn triangles, mm^2: where a flat surface faces.
+fn faces(scene: &Scene) -> DVec3 {
+    let corner = |i: u32| Vec3::from(scene.positions[i as usize]).as_dvec3();
+    let vector = |t: &[u32]| (corner(t[1]) - corner(t[0])).cross(corner(t[2]) - corner(t[0]));
+    scene.indices.chunks_exact(3).map(vector).sum()
 }

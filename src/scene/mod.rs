@@ -115,6 +115,17 @@ pub struct LoadOptions {
     pub mm_per_unit: Option<f64>,
     /// Keep the file's first UV set even where no texture is used, for methods that work in texture space.
     pub keep_uvs: bool,
+    /// Where the file's animation is; absent: nodes stand as the file places them.
+    pub pose: Option<Pose>,
+}
+
+/// A moment of an animation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Index into the file's animations.
+    pub animation: usize,
+    /// Seconds; before the first key and after the last the animation stands still.
+    pub time: f64,
 }
 
 impl LoadOptions {
@@ -150,7 +161,7 @@ impl Scene {
     /// Those of [`Scene::load`] that `options` can cause.
     pub fn bust(options: &LoadOptions) -> Result<Self, SceneError> {
         const FILE: &[u8] = include_bytes!("../../assets/bust.glb");
-        gltf::load_bytes(FILE, "bust", options.checked_mm_per_unit()?, options.keep_uvs)
+        gltf::load_bytes(FILE, "bust", options.checked_mm_per_unit()?, options)
     }
 
     /// Reads a `.gltf` or `.glb` file with the buffers and images it names. The default scene is used, else the first,
@@ -160,7 +171,7 @@ impl Scene {
     /// If a file cannot be read, breaks the format, requires an extension that is not supported, or is larger than
     /// the limits on memory (16 times its bytes and 256 MiB while reading). Never panics on malformed input.
     pub fn load(path: &Path, options: &LoadOptions) -> Result<Self, SceneError> {
-        gltf::load(path, options.checked_mm_per_unit()?, options.keep_uvs)
+        gltf::load(path, options.checked_mm_per_unit()?, options)
     }
 
     /// A built-in shape, such as `shape:torus:70,25` (mm), finely tessellated, with analytic normals and UVs, centred

@@ -1,7 +1,7 @@
 //! Cameras against points whose place in the picture is known.
 
-use glam::{DVec3, Mat4, Vec3};
-use pdss::scene::Camera;
+use glam::{DVec3, Mat4, Quat, Vec3};
+use pdss::scene::{Aabb, Camera};
 
 use crate::check::{SHAPES, built};
 
@@ -63,4 +63,18 @@ fn an_orthographic_camera_keeps_sizes() {
     let near = project(&camera, 1.5, camera.eye + camera.forward * camera.near_mm);
     let far = project(&camera, 1.5, camera.eye + camera.forward * camera.far_mm);
     assert!((near.z - 1.0).abs() < 1e-4 && far.z.abs() < 1e-4);
+}
+
+/// A plane is looked at from the side that it faces, standing or lying.
+#[test]
+fn the_default_camera_sees_the_front_of_a_plane() {
+    let (plane, _) = built("plane");
+    for facing in [Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
+        let mut scene = plane.clone();
+        let turn = Quat::from_rotation_arc(Vec3::Y, facing);
+        scene.positions.iter_mut().for_each(|p| *p = (turn * Vec3::from(*p)).to_array());
+        scene.bounds = Aabb::around(&scene.positions);
+        let camera = Camera::default_for(&scene, 30.0, 1.0);
+        assert!(camera.eye.dot(facing) > 0.5 * camera.eye.length(), "{facing}: {}", camera.eye);
+    }
 }

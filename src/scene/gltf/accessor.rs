@@ -288,6 +288,20 @@ impl<'a> Accessor<'a> {
         })
     }
 
+    /// One element as unsigned integers, the first `N` of its components. `index` must be below `count`.
+    pub fn integers<const N: usize>(&self, index: usize) -> [u32; N] {
+        let size = self.component.size();
+        let read = |bytes: &[u8]| {
+            std::array::from_fn(|i| if i < self.width { self.component.uint(&bytes[i * size..]) } else { 0 })
+        };
+        self.bytes(index).map_or([0; N], read)
+    }
+
+    /// Whether elements stand in a buffer, so that there are no more than its bytes.
+    pub fn is_stored(&self) -> bool {
+        self.base.is_some()
+    }
+
     /// One scalar element as an unsigned integer. `index` must be below `count`.
     pub fn uint(&self, index: usize) -> u32 {
         self.bytes(index).map_or(0, |b| self.component.uint(b))

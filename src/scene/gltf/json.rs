@@ -99,6 +99,12 @@ impl<'a> At<'a> {
         self.typed(key, read, &format!("{N} numbers were expected"))
     }
 
+    /// As many numbers as there are; none if the key is absent.
+    pub fn all_numbers(&self, key: &str) -> Result<Vec<f64>, Fault> {
+        let read = |v: &'a Value| v.as_array()?.iter().map(Value::as_f64).collect::<Option<Vec<f64>>>();
+        Ok(self.typed(key, read, "an array of numbers was expected")?.unwrap_or_default())
+    }
+
     /// A reference into an array of `len` things.
     pub fn index(&self, key: &str, len: usize, what: &str) -> Result<Option<usize>, Fault> {
         match self.uint(key)? {

@@ -16,7 +16,7 @@ enum Mode {
 
 /// A primitive that can be drawn, its references checked, its elements not yet read.
 pub(super) struct PrimitiveSource {
-    path: String,
+    pub path: String,
     mode: Mode,
     pub material: Option<usize>,
     position: usize,
@@ -24,7 +24,17 @@ pub(super) struct PrimitiveSource {
     tangent: Option<usize>,
     /// Accessors of TEXCOORD_0, TEXCOORD_1, ...
     uv_sets: Vec<usize>,
+    /// Accessors of JOINTS_n and WEIGHTS_n, n from 0.
+    pub joints: Vec<[usize; 2]>,
+    pub targets: Vec<Target>,
     indices: Option<usize>,
+}
+
+/// A morph target: accessors of what it adds.
+pub(super) struct Target {
+    pub position: Option<usize>,
+    pub normal: Option<usize>,
+    pub tangent: Option<usize>,
 }
 
 /// A mesh and what was passed over in it.
@@ -36,14 +46,22 @@ pub(super) struct MeshSource {
     /// Primitives without positions.
     pub placeless: usize,
     pub colored: bool,
-    pub morphed: bool,
+    /// Weights of the morph targets where no node says otherwise.
+    pub weights: Vec<f64>,
+}
+
+impl MeshSource {
+    /// Morph targets of its primitives.
+    pub fn target_count(&self) -> usize {
+        self.primitives.iter().map(|p| p.targets.len()).max().unwrap_or(0)
+    }
 }
 
 /// All meshes of the file.
 pub(super) fn read_meshes(root: &At, accessors: &[Accessor], materials: usize) -> Result<Vec<MeshSource>, Fault> {
     let mut meshes = Vec::new();
     for at in root.list("meshes")? {
-        let mut mesh = MeshSource::default();
+        let mut mesh = MeshSource { weights: at.all_numbers("weights")?, ..MeshSource::default() };
         for primitive in at.list("primitives")? {
             read_primitive(&primitive, accessors, materials, &mut mesh)?;
         }
@@ -75,6 +93,7 @@ fn read_primitive(at: &At, accessors: &[Accessor], materials: usize, mesh: &mut 
         let width: &[usize] = match name {
             "POSITION" | "NORMAL" => &[3],
             "TANGENT" => &[4],
+            _ if name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_") => &[4],
             _ if name.starts_with("TEXCOORD_") => &[2],
             _ => continue,
         };
@@ -106,7 +125,13 @@ fn read_primitive(at: &At, accessors: &[Accessor], materials: usize, mesh: &mut 
         uv_sets.push(set);
     }
     mesh.colored |= attribute("COLOR_0")?.is_some();
-    mesh.morphed |= !at.list("targets")?.is_empty();
+    let mut joints = Vec::new();
+    while let (Some(joint), Some(weight)) =
+        (attribute(&format!("JOINTS_{}", joints.len()))?, attribute(&format!("WEIGHTS_{}", joints.len()))?)
+    {
+        joints.push([joint, weight]);
+    }
+    let targets = at.list("targets")?.iter().map(|t| read_target(t, accessors, count)).collect::<Result<_, _>>()?;
     mesh.primitives.push(PrimitiveSource {
         path: at.path().to_owned(),
         mode,
@@ -115,9 +140,24 @@ fn read_primitive(at: &At, accessors: &[Accessor], materials: usize, mesh: &mut 
         normal: attribute("NORMAL")?,
         tangent: attribute("TANGENT")?,
         uv_sets,
+        joints,
+        targets,
         indices,
     });
     Ok(())
+}
+
+fn read_target(at: &At, accessors: &[Accessor], count: usize) -> Result<Target, Fault> {
+    let part = |name: &str| {
+        let Some(index) = at.index(name, accessors.len(), "accessors")? else { return Ok(None) };
+        accessors[index].expect_width(&[3], &at.place(name))?;
+        if accessors[index].count != count {
+            let reason = format!("{} elements for {count} positions", accessors[index].count);
+            return Err(Fault::new(at.place(name), reason));
+        }
+        Ok(Some(index))
+    };
+    Ok(Target { position: part("POSITION")?, normal: part("NORMAL")?, tangent: part("TANGENT")? })
 }
 
 fn check_indices(place: &str, indices: &Accessor, vertices: usize) -> Result<(), Fault> {
@@ -143,6 +183,12 @@ pub(super) struct Wanted {
     pub textured: bool,
 }
 
+/// A primitive's drawn vertices, and which of the file's each is.
+pub(super) struct Geometry {
+    pub local: LocalPrimitive,
+    pub kept: Vec<usize>,
+}
+
 /// Reads the drawn vertices of a primitive. Those that no triangle names are left out, so that primitives which share
 /// one large array do not each carry it.
 pub(super) fn read_geometry(
@@ -150,7 +196,7 @@ pub(super) fn read_geometry(
     accessors: &[Accessor],
     wanted: Wanted,
     budget: &mut Budget,
-) -> Result<LocalPrimitive, Fault> {
+) -> Result<Geometry, Fault> {
     let position = &accessors[source.position];
     let indices = source.indices.map(|i| &accessors[i]);
     let corners = indices.map_or(position.count, |i| i.count);
@@ -182,7 +228,7 @@ pub(super) fn read_geometry(
     });
     let plain = wanted.uvs.is_none_or(|uvs| uvs.transform == Uvs::PLAIN.transform);
     let gather = |a: usize| kept.iter().map(|&v| accessors[a].floats(v)).collect();
-    Ok(LocalPrimitive {
+    let local = LocalPrimitive {
         material: wanted.material,
         positions: kept.iter().map(|&v| position.floats(v)).collect(),
         normals: source.normal.map(gather),
@@ -199,7 +245,8 @@ pub(super) fn read_geometry(
         },
         needs_tangents: wanted.tangents,
         needs_uvs: wanted.textured,
-    })
+    };
+    Ok(Geometry { local, kept })
 }
 
 /// Renumbers vertices in the order of their first use.

@@ -3,8 +3,10 @@
 //! lying header allocates nothing.
 
 mod accessor;
+mod animation;
 mod assemble;
 mod container;
+mod deform;
 mod extensions;
 mod images;
 mod json;
@@ -18,14 +20,16 @@ use std::path::Path;
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 
+use super::LoadOptions;
 use super::bake::{self, LocalPrimitive, Tally};
 use super::error::Fault;
 use super::{Scene, SceneError};
 use accessor::{Accessor, Budget};
 use assemble::Wardrobe;
+use deform::Deformer;
 use json::At;
 use lights::Placement;
-use meshes::MeshSource;
+use meshes::{Geometry, MeshSource};
 use nodes::Node;
 
 /// What reading may allocate besides 16 times the bytes of the file and its buffers.
@@ -36,19 +40,24 @@ const FLAT_FLOOR: u64 = 1 << 30;
 const VERTEX_BYTES: usize = 60;
 const TRIANGLE_BYTES: usize = 24;
 
-/// Reads a file; `mm_per_unit` is positive and finite.
-pub(super) fn load(path: &Path, mm_per_unit: f64, keep_uvs: bool) -> Result<Scene, SceneError> {
+/// Reads a file; `mm_per_unit`, which is the one of `options`, is positive and finite.
+pub(super) fn load(path: &Path, mm_per_unit: f64, options: &LoadOptions) -> Result<Scene, SceneError> {
     let file = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|reason| SceneError::Read { file: file.clone(), reason })?;
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let folder = path.parent().unwrap_or(Path::new(""));
-    let settings = Settings { folder, mm_per_unit, keep_uvs };
+    let settings = Settings { folder, mm_per_unit, options };
     named(read(&bytes, &settings), name.unwrap_or_default(), &file)
 }
 
 /// Reads the bytes of a file that names no other; errors call it by `name`.
-pub(super) fn load_bytes(bytes: &[u8], name: &str, mm_per_unit: f64, keep_uvs: bool) -> Result<Scene, SceneError> {
-    let settings = Settings { folder: Path::new(""), mm_per_unit, keep_uvs };
+pub(super) fn load_bytes(
+    bytes: &[u8],
+    name: &str,
+    mm_per_unit: f64,
+    options: &LoadOptions,
+) -> Result<Scene, SceneError> {
+    let settings = Settings { folder: Path::new(""), mm_per_unit, options };
     named(read(bytes, &settings), name.to_owned(), name)
 }
 
@@ -63,7 +72,7 @@ struct Settings<'a> {
     /// Where relative URIs start.
     folder: &'a Path,
     mm_per_unit: f64,
-    keep_uvs: bool,
+    options: &'a LoadOptions,
 }
 
 fn read(bytes: &[u8], settings: &Settings) -> Result<Scene, Fault> {
@@ -84,8 +93,14 @@ fn read(bytes: &[u8], settings: &Settings) -> Result<Scene, Fault> {
     let meshes = meshes::read_meshes(&root, &accessors, materials.len())?;
     let lights = lights::read_lights(&root)?;
     let cameras = lights::read_cameras(&root)?;
-    let counts = nodes::Counts { meshes: meshes.len(), cameras: cameras.len(), lights: lights.len() };
-    let nodes = nodes::read_nodes(&root, &counts)?;
+    let skins = deform::count_skins(&root)?;
+    let counts = nodes::Counts { meshes: meshes.len(), cameras: cameras.len(), lights: lights.len(), skins };
+    let mut nodes = nodes::read_nodes(&root, &counts)?;
+    let skins = deform::read_skins(&root, nodes.len(), &accessors)?;
+    if let Some(pose) = settings.options.pose {
+        let targets: Vec<_> = meshes.iter().map(MeshSource::target_count).collect();
+        animation::pose(&root, &accessors, pose.animation, pose.time, &mut nodes, &targets)?;
+    }
     let (roots, note) = nodes::choose_scene(&root, &nodes)?;
     warnings.extend(note);
     let placed = nodes::walk(&nodes, &roots);
@@ -103,22 +118,37 @@ fn read(bytes: &[u8], settings: &Settings) -> Result<Scene, Fault> {
         &textures,
         |wanted| images::decode_images(&root, wanted, &views, settings.folder),
         &mut budget,
-        settings.keep_uvs,
+        settings.options.keep_uvs,
     )?;
     warnings.extend(wardrobe.warnings.iter().cloned());
     let read = |(mesh, drawn): (&MeshSource, &bool)| read_mesh(mesh, *drawn, &accessors, &wardrobe, &mut budget);
     let local: Vec<_> = meshes.iter().zip(&drawn).map(read).collect::<Result<_, _>>()?;
 
     let to_mm = DAffine3::from_scale(DVec3::splat(settings.mm_per_unit));
-    let instances: Vec<_> =
-        placed.iter().filter_map(|(node, world)| Some((&local[nodes[*node].mesh?], to_mm * *world))).collect();
+    let worlds = if skins.is_empty() { Vec::new() } else { deform::worlds(&nodes) };
+    let deformer = Deformer { accessors: &accessors, skins: &skins, worlds: &worlds };
+    let carried =
+        || placed.iter().filter_map(|(node, world)| Some((&nodes[*node], nodes[*node].mesh?, to_mm * *world)));
+    let deformed: Vec<_> = carried()
+        .map(|(node, mesh, _)| deformer.of_node(node, &meshes[mesh], &local[mesh], &mut budget))
+        .collect::<Result<_, _>>()?;
+    let unweighted: usize = deformed.iter().flatten().map(|d| d.unweighted).sum();
+    if unweighted > 0 {
+        warnings.push(format!("{unweighted} vertices of skins without weights, left where they are stored"));
+    }
+    let instances: Vec<(Vec<&LocalPrimitive>, DAffine3)> = carried()
+        .zip(&deformed)
+        .map(|((_, mesh, world), deformed)| match deformed {
+            Some(d) => (d.primitives.iter().collect(), if d.in_world { to_mm } else { world }),
+            None => (local[mesh].iter().map(|g| &g.local).collect(), world),
+        })
+        .collect();
     let mut flat = Budget::new(input.saturating_mul(16) + FLAT_FLOOR);
     for primitive in instances.iter().flat_map(|(mesh, _)| mesh.iter()) {
         flat.take("nodes", primitive.positions.len(), VERTEX_BYTES)?;
         flat.take("nodes", primitive.triangles.len(), TRIANGLE_BYTES)?;
     }
-    let baked: Vec<_> =
-        instances.par_iter().map(|(mesh, world)| bake::bake(&mesh.iter().collect::<Vec<_>>(), world)).collect();
+    let baked: Vec<_> = instances.par_iter().map(|(primitives, world)| bake::bake(primitives, world)).collect();
     let mut tally = Tally::default();
     baked.iter().for_each(|(_, repairs)| tally.add(repairs));
     warnings.extend(tally.lines());
@@ -157,8 +187,6 @@ fn passed_over(meshes: &[MeshSource], nodes: &[Node], placed: &[(usize, DAffine3
         (drawn_meshes().map(|m| m.thin).sum(), "primitives of points or lines left out"),
         (drawn_meshes().map(|m| m.placeless).sum(), "primitives without positions left out"),
         (drawn_meshes().filter(|m| m.colored).count(), "meshes with vertex colours, which are ignored"),
-        (drawn_meshes().filter(|m| m.morphed).count(), "meshes with morph targets, drawn without"),
-        (with_mesh().filter(|n| n.skinned).count(), "skinned nodes drawn as the mesh is stored, not posed"),
         (with_mesh().filter(|n| n.instanced).count(), "instanced nodes drawn once"),
     ];
     let said = kinds.into_iter().filter(|&(count, _)| count > 0);
@@ -171,7 +199,7 @@ fn read_mesh(
     accessors: &[Accessor],
     wardrobe: &Wardrobe,
     budget: &mut Budget,
-) -> Result<Vec<LocalPrimitive>, Fault> {
+) -> Result<Vec<Geometry>, Fault> {
     let primitives = mesh.primitives.iter().filter(|_| drawn);
     primitives.map(|p| meshes::read_geometry(p, accessors, wardrobe.wanted(p.material), budget)).collect()
 }

@@ -7,14 +7,36 @@ use crate::scene::error::Fault;
 
 /// What a node carries; indices are checked.
 pub(super) struct Node {
-    local: DAffine3,
+    pub local: Local,
     children: Vec<usize>,
     pub mesh: Option<usize>,
+    pub skin: Option<usize>,
+    /// Weights of the mesh's morph targets; empty: the mesh's own.
+    pub weights: Vec<f64>,
     pub camera: Option<usize>,
     pub light: Option<usize>,
-    pub skinned: bool,
     pub instanced: bool,
     pub name: Option<String>,
+}
+
+/// A transform in the node's parent.
+pub(super) struct Local {
+    /// Given whole; then the parts mean nothing.
+    pub matrix: Option<DAffine3>,
+    pub translation: DVec3,
+    /// Not always of unit length.
+    pub rotation: DQuat,
+    pub scale: DVec3,
+}
+
+impl Local {
+    fn affine(&self) -> DAffine3 {
+        let length = self.rotation.length();
+        let rotation =
+            if length > 0.0 && length.is_finite() { self.rotation * length.recip() } else { DQuat::IDENTITY };
+        let parts = || DAffine3::from_scale_rotation_translation(self.scale, rotation, self.translation);
+        self.matrix.unwrap_or_else(parts)
+    }
 }
 
 /// How many things of each kind nodes may point to.
@@ -22,6 +44,7 @@ pub(super) struct Counts {
     pub meshes: usize,
     pub cameras: usize,
     pub lights: usize,
+    pub skins: usize,
 }
 
 /// Reads all nodes and checks that they are a forest.
@@ -39,7 +62,8 @@ pub(super) fn read_nodes(root: &At, counts: &Counts) -> Result<Vec<Node>, Fault>
             mesh: at.index("mesh", counts.meshes, "meshes")?,
             camera: at.index("camera", counts.cameras, "cameras")?,
             light,
-            skinned: at.uint("skin")?.is_some(),
+            skin: at.index("skin", counts.skins, "skins")?,
+            weights: at.all_numbers("weights")?,
             instanced: at.extension("EXT_mesh_gpu_instancing")?.is_some(),
             name: at.text("name")?.map(str::to_owned),
         });
@@ -56,7 +80,7 @@ pub(super) fn read_nodes(root: &At, counts: &Counts) -> Result<Vec<Node>, Fault>
         }
     }
     // With one parent each, what no root reaches is a cycle.
-    let roots: Vec<usize> = (0..nodes.len()).filter(|&n| parent[n].is_none()).collect();
+    let roots = roots_of(&nodes);
     let mut reached = vec![false; nodes.len()];
     for (node, _) in walk(&nodes, &roots) {
         reached[node] = true;
@@ -69,24 +93,27 @@ pub(super) fn read_nodes(root: &At, counts: &Counts) -> Result<Vec<Node>, Fault>
     }
 }
 
-fn read_transform(at: &At) -> Result<DAffine3, Fault> {
-    if let Some(m) = at.numbers::<16>("matrix")? {
+fn read_transform(at: &At) -> Result<Local, Fault> {
+    let matrix = at.numbers::<16>("matrix")?.map(|m| {
         let column = |i: usize| DVec3::new(m[i], m[i + 1], m[i + 2]);
-        return Ok(DAffine3 { matrix3: DMat3::from_cols(column(0), column(4), column(8)), translation: column(12) });
-    }
+        DAffine3 { matrix3: DMat3::from_cols(column(0), column(4), column(8)), translation: column(12) }
+    });
     let translation = at.numbers::<3>("translation")?.unwrap_or([0.0; 3]);
-    let rotation = at.numbers::<4>("rotation")?.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+    let rotation = DQuat::from_array(at.numbers::<4>("rotation")?.unwrap_or([0.0, 0.0, 0.0, 1.0]));
     let scale = at.numbers::<3>("scale")?.unwrap_or([1.0; 3]);
-    let rotation = DQuat::from_array(rotation);
-    let length = rotation.length();
-    if !(length > 1e-6 && length.is_finite()) {
+    if !(rotation.length() > 1e-6 && rotation.length().is_finite()) {
         return Err(Fault::new(at.place("rotation"), "a quaternion of length 0 is no rotation"));
     }
-    Ok(DAffine3::from_scale_rotation_translation(
-        DVec3::from_array(scale),
-        rotation * length.recip(),
-        DVec3::from_array(translation),
-    ))
+    Ok(Local { matrix, translation: translation.into(), rotation, scale: scale.into() })
+}
+
+/// The nodes that are nobody's child.
+pub(super) fn roots_of(nodes: &[Node]) -> Vec<usize> {
+    let mut is_root = vec![true; nodes.len()];
+    for &child in nodes.iter().flat_map(|node| &node.children) {
+        is_root[child] = false;
+    }
+    (0..nodes.len()).filter(|&n| is_root[n]).collect()
 }
 
 /// The roots of the scene to draw, and a note if it was not the plain case.
@@ -98,12 +125,7 @@ pub(super) fn choose_scene(root: &At, nodes: &[Node]) -> Result<(Vec<usize>, Opt
         lists.push(scene.indices("nodes", nodes.len(), "nodes")?);
     }
     if lists.is_empty() {
-        let mut is_root = vec![true; nodes.len()];
-        for &child in nodes.iter().flat_map(|node| &node.children) {
-            is_root[child] = false;
-        }
-        let roots = (0..nodes.len()).filter(|&n| is_root[n]).collect();
-        return Ok((roots, None));
+        return Ok((roots_of(nodes), None));
     }
     let index = chosen.unwrap_or(0);
     let note = (lists.len() > 1).then(|| {
@@ -124,7 +146,7 @@ pub(super) fn walk(nodes: &[Node], roots: &[usize]) -> Vec<(usize, DAffine3)> {
             continue;
         }
         let node = &nodes[index];
-        let world = above * node.local;
+        let world = above * node.local.affine();
         found.push((index, world));
         todo.extend(node.children.iter().rev().map(|&child| (child, world)));
     }
