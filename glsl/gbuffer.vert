@@ -1,5 +1,5 @@
-// gbuffer and forward: meshes, in view space, for their fragment shaders.
-// variants: plain UV=0 TANGENT=0; uv UV=1 TANGENT=0; tangent UV=1 TANGENT=1; plain_bend UV=0 TANGENT=0 EXTRA=float; uv_bend UV=1 TANGENT=0 EXTRA=float; tangent_bend UV=1 TANGENT=1 EXTRA=float; plain_mass UV=0 TANGENT=0 EXTRA=vec4; uv_mass UV=1 TANGENT=0 EXTRA=vec4; tangent_mass UV=1 TANGENT=1 EXTRA=vec4
+// gbuffer, forward and overlay: meshes, in view space, for their fragment shaders.
+// variants: plain UV=0 TANGENT=0; uv UV=1 TANGENT=0; tangent UV=1 TANGENT=1; plain_bend UV=0 TANGENT=0 EXTRA=float; uv_bend UV=1 TANGENT=0 EXTRA=float; tangent_bend UV=1 TANGENT=1 EXTRA=float; plain_mass UV=0 TANGENT=0 EXTRA=vec4; uv_mass UV=1 TANGENT=0 EXTRA=vec4; tangent_mass UV=1 TANGENT=1 EXTRA=vec4; plain_color COLOR=1 UV=0 TANGENT=0; uv_color COLOR=1 UV=1 TANGENT=0; tangent_color COLOR=1 UV=1 TANGENT=1; plain_bend_color COLOR=1 UV=0 TANGENT=0 EXTRA=float; uv_bend_color COLOR=1 UV=1 TANGENT=0 EXTRA=float; tangent_bend_color COLOR=1 UV=1 TANGENT=1 EXTRA=float; plain_mass_color COLOR=1 UV=0 TANGENT=0 EXTRA=vec4; uv_mass_color COLOR=1 UV=1 TANGENT=0 EXTRA=vec4; tangent_mass_color COLOR=1 UV=1 TANGENT=1 EXTRA=vec4
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "common/frame.glsl"
@@ -24,10 +24,21 @@ layout(location = 4) in EXTRA extra;
 layout(location = 4) out EXTRA out_extra;
 #endif
 
+// A colour of the vertex, linear; white where none has one.
+#ifdef COLOR
+layout(location = 6) in vec4 color;
+#else
+const vec4 color = vec4(1.);
+#endif
+layout(location = 5) out vec4 tint;
+
 layout(location = 0) out vec3 view_normal;
 layout(location = 1) out vec2 out_uv;
 layout(location = 2) out vec4 view_tangent;
 layout(location = 3) out float view_distance;
+
+// Drawn again over the picture, a surface must lie where it lay.
+invariant gl_Position;
 
 void main() {
     gl_Position = frame.clip_from_world * vec4(position, 1.);
@@ -35,6 +46,7 @@ void main() {
     view_normal = rotation * normal;
     view_distance = -(frame.view_from_world * vec4(position, 1.)).z;
     out_uv = uv;
+    tint = color;
 #ifdef EXTRA
     out_extra = extra;
 #endif

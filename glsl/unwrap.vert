@@ -1,5 +1,5 @@
 // unwrap: meshes, laid out by their texture coordinates.
-// variants: uv TANGENT=0; tangent TANGENT=1
+// variants: uv TANGENT=0; tangent TANGENT=1; uv_color COLOR=1 TANGENT=0; tangent_color COLOR=1 TANGENT=1
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "common/frame.glsl"
@@ -15,6 +15,14 @@ const vec4 tangent = vec4(0.);
 #endif
 layout(location = 5) in float chart;
 
+// A colour of the vertex, linear; white where none has one.
+#ifdef COLOR
+layout(location = 6) in vec4 color;
+#else
+const vec4 color = vec4(1.);
+#endif
+layout(location = 5) out vec4 tint;
+
 layout(location = 0) out vec3 view_normal;
 layout(location = 1) out vec2 out_uv;
 layout(location = 2) out vec4 view_tangent;
@@ -27,6 +35,7 @@ void main() {
     view_normal = rotation * normal;
     view_place = (frame.view_from_world * vec4(position, 1.)).xyz;
     out_uv = uv;
+    tint = color;
     view_tangent = vec4(rotation * tangent.xyz, tangent.w);
     out_chart = chart;
 }

@@ -41,8 +41,8 @@ pub const TARGETS: &[Target] = &[
     Target { name: "sheetacross", format: vk::Format::R16G16B16A16_SFLOAT, meaning: "a sheet between the two passes of a pair. sheets writes and reads" },
     Target { name: "stretch", format: vk::Format::R32_UINT, meaning: "texels a mm along u and v, 2 halves, blurred as the sheets are. unwrap and sheets write, sheets reads" },
     Target { name: "stretchacross", format: vk::Format::R32_UINT, meaning: "stretch between the two passes of a pair. sheets writes and reads" },
-    Target { name: "exr", format: vk::Format::R32G32B32A32_SFLOAT, meaning: "radiance, linear Rec. 709, or a view; a coverage. light or view writes, the host reads" },
-    Target { name: "ldr", format: vk::Format::R8G8B8A8_UNORM, meaning: "tone-mapped, sRGB-encoded picture; a coverage. light writes, the host reads" },
+    Target { name: "exr", format: vk::Format::R32G32B32A32_SFLOAT, meaning: "radiance, linear Rec. 709, or a view; a coverage. light or view writes, overlay draws over, tonemap or the host reads" },
+    Target { name: "ldr", format: vk::Format::R8G8B8A8_UNORM, meaning: "tone-mapped, sRGB-encoded picture; a coverage. light or tonemap writes, the host reads" },
     Target { name: "shadow", format: vk::Format::D32_SFLOAT, meaning: "depth from each light, reversed, one layer a light (six a point light). shadow writes; visibility, light sample" },
 ];
 

@@ -4,6 +4,9 @@ layout(constant_id = 3) const bool ROUGH_MAP = false;
 layout(constant_id = 4) const bool NORMAL_MAP = false;
 layout(constant_id = 5) const bool OCCLUSION_MAP = false;
 layout(constant_id = 6) const bool ALPHA_MASK = false;
+layout(constant_id = 11) const bool TINT = false;      // vertices have colours
+
+layout(location = 5) in vec4 tint;
 
 layout(push_constant, scalar) uniform Push {
     vec4 base_color;
@@ -14,6 +17,7 @@ layout(push_constant, scalar) uniform Push {
     float alpha_cutoff;
     float reflectance;     // F0 of the dielectric
     float scatter;         // mask: 0 does not scatter
+    vec3 emission;         // radiance, linear
 } push;
 
 layout(set = 0, binding = 2) uniform sampler2D base_color_map;
@@ -23,7 +27,8 @@ layout(set = 0, binding = 5) uniform sampler2D occlusion_map;
 
 // Linear base colour; alpha is coverage.
 vec4 material_base(vec2 uv) {
-    return BASE_MAP ? push.base_color * texture(base_color_map, uv) : push.base_color;
+    vec4 base = BASE_MAP ? push.base_color * texture(base_color_map, uv) : push.base_color;
+    return TINT ? base * tint : base;
 }
 
 // Perceptual roughness and metallic, 0..1.

@@ -61,9 +61,10 @@ pub struct View {
     /// may be repeated. Default: the file's lights, else a key and a fill.
     #[arg(long = "light", value_name = "YAW,PITCH[,INTENSITY]", allow_hyphen_values = true, value_parser = parse_light)]
     lights: Vec<Aim>,
-    /// Diffusion profile: a built-in name, a .toml file, or none.
-    #[arg(long, value_name = "NAME|FILE", default_value = DEFAULT_PROFILE)]
-    profile: String,
+    /// Diffusion profile: a built-in name, a .toml file, or none. Default: what the file says of the inside of its largest
+    /// scattering material, else skin.
+    #[arg(long, value_name = "NAME|FILE")]
+    profile: Option<String>,
     /// The one material that has the profile. Default: those the file says light passes into,
     /// else every opaque dielectric.
     #[arg(long, value_name = "NAME")]
@@ -196,11 +197,16 @@ impl View {
         if options.pose.is_some() && self.scene.starts_with("shape:") {
             return Err(Failure::Input(format!("--animation: {} stands still; a glTF file may move", self.scene)));
         }
-        let profile = match self.profile.as_str() {
-            "none" => None,
-            name => Some(Profile::resolve(name)?),
+        // A name that is wrong is said before a large file is read.
+        let named = match self.profile.as_deref() {
+            None | Some("none") => None,
+            Some(name) => Some(Profile::resolve(name)?),
         };
         let mut scene = Scene::open(&self.scene, &options)?;
+        let profile = match &self.profile {
+            Some(_) => named,
+            None => Some(own_profile(&mut scene)?),
+        };
         if profile.is_some() {
             scene.assign_profile(self.profile_material.as_deref(), 0)?;
         }
@@ -266,6 +272,19 @@ impl View {
         }
         directional(&DEFAULT_LIGHTS)
     }
+}
+
+/// The profile of the scene's own materials; skin where they say nothing.
+fn own_profile(scene: &mut Scene) -> Result<Profile, Failure> {
+    let own = scene.scatterings();
+    let Some((material, volume)) = own.first() else { return Ok(Profile::resolve(DEFAULT_PROFILE)?) };
+    let profile = Profile::of_volume(&material.name, volume, f64::from(material.ior.max(1.)));
+    let others = own.iter().filter(|(_, v)| v != volume).count();
+    if others > 0 {
+        let line = format!("one profile a frame: {others} materials scatter as '{}' does", material.name);
+        scene.warnings.push(line);
+    }
+    Ok(profile)
 }
 
 impl Device {

@@ -3,6 +3,7 @@
 pub mod brightness;
 pub mod levels;
 mod mass;
+mod overlay;
 pub mod resources;
 pub mod setup;
 pub mod shadows;
@@ -150,7 +151,9 @@ impl Renderer {
         let start = Instant::now();
         let draws: Vec<(Draw, &Material)> =
             inputs.scene.draws.iter().filter_map(|d| Some((*d, inputs.scene.materials.get(d.material)?))).collect();
-        let (pipelines, classes) = record::pipelines(gpu, &plan, &draws)?;
+        let overlay: Vec<(Draw, &Material)> =
+            setup.overlay.draws.iter().filter_map(|d| Some((*d, inputs.scene.materials.get(d.material)?))).collect();
+        let (pipelines, classes) = record::pipelines(gpu, &plan, &draws, &overlay)?;
         times.pipelines_ms = milliseconds(start);
         let start = Instant::now();
         let timer = inputs.timing.map(|mode| Timer::new(gpu, plan.passes.len(), mode)).transpose()?;
@@ -162,6 +165,7 @@ impl Renderer {
             classes: &classes,
             resources: &resources,
             draws: &draws,
+            overlay: &overlay,
             index_count: inputs.scene.indices.len() as u32,
             scatters: setup.scatters,
         };

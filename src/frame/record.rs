@@ -1,7 +1,7 @@
 //! Plan in, pipelines and a recorded command buffer out. This is the one place that walks a plan.
 
 use super::FrameError;
-use super::resources::Resources;
+use super::resources::{Maps, Resources};
 use super::setup::alpha_cutoff;
 use super::uniforms::MaterialPush;
 use crate::gpu::commands::{Guarded, Recorder};
@@ -12,7 +12,7 @@ use crate::gpu::timing::Timer;
 use crate::gpu::usage::{Barrier, State, Usage};
 use crate::gpu::{Buffer, Gpu, GpuError, Image};
 use crate::plan::{Domain, Geometry, Pass, Plan, Work};
-use crate::scene::{Draw, Material};
+use crate::scene::{Alpha, Draw, Material};
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 use std::collections::BTreeMap;
@@ -21,9 +21,12 @@ use std::sync::Arc;
 /// What a material's pipeline is specialised for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Class {
-    maps: [bool; 4],
+    maps: [bool; 5],
     masked: bool,
     double_sided: bool,
+    /// Asked by the overlay alone, like the last map: other passes draw all such materials alike.
+    unlit: bool,
+    blended: bool,
 }
 
 /// Pipeline of each pass, or of each class of material in it.
@@ -48,26 +51,50 @@ pub struct World<'a> {
     pub resources: &'a Resources,
     /// What is drawn.
     pub draws: &'a [(Draw, &'a Material)],
+    /// What is drawn over the picture.
+    pub overlay: &'a [(Draw, &'a Material)],
     /// Indices of the whole scene.
     pub index_count: u32,
     /// Scattering materials are marked.
     pub scatters: bool,
 }
 
-fn class(material: &Material) -> ClassKey {
+fn class(material: &Material, geometry: Geometry) -> ClassKey {
+    let over = geometry == Geometry::Overlay;
+    let [base, rough, normal, occlusion, emission] = maps(material).map(|m| m.is_some());
     ClassKey(Class {
-        maps: maps(material).map(|m| m.is_some()),
+        maps: [base, rough, normal, occlusion, over && emission],
         masked: alpha_cutoff(material.alpha).is_some(),
         double_sided: material.double_sided,
+        unlit: over && material.unlit,
+        blended: over && material.alpha == Alpha::Blend,
     })
 }
 
-fn maps(m: &Material) -> [Option<usize>; 4] {
+/// What a pass draws of the scene: blended materials are drawn over the picture alone.
+fn drawn<'a>(
+    geometry: Geometry,
+    draws: &'a [(Draw, &'a Material)],
+    overlay: &'a [(Draw, &'a Material)],
+) -> impl Iterator<Item = &'a (Draw, &'a Material)> {
+    let list = if geometry == Geometry::Overlay { overlay } else { draws };
+    list.iter().filter(move |(d, m)| {
+        let here = match geometry {
+            Geometry::Overlay => true,
+            Geometry::Unwrapped => m.scatter.is_some() && m.alpha != Alpha::Blend,
+            Geometry::Depth | Geometry::Materials => m.alpha != Alpha::Blend,
+        };
+        d.index_count > 0 && here
+    })
+}
+
+fn maps(m: &Material) -> Maps {
     [
         m.base_color_texture,
         m.metallic_roughness_texture,
         m.normal_texture.map(|t| t.0),
         m.occlusion_texture.map(|t| t.0),
+        m.emission_texture,
     ]
 }
 
@@ -79,6 +106,7 @@ pub fn pipelines(
     gpu: &Arc<Gpu>,
     plan: &Plan,
     draws: &[(Draw, &Material)],
+    overlay: &[(Draw, &Material)],
 ) -> Result<(Vec<Pipeline>, Classes), FrameError> {
     let mut list = Vec::new();
     let mut classes = Vec::new();
@@ -94,16 +122,17 @@ pub fn pipelines(
                 list.push(Pipeline::graphics(gpu, &pass.name, vertex, *fragment, &pass.constants, state)?);
             }
             Work::Raster { vertex, fragment, state, geometry, .. } => {
-                for (_, material) in draws {
-                    let key = class(material);
+                for (_, material) in drawn(*geometry, draws, overlay) {
+                    let key = class(material, *geometry);
                     if map.contains_key(&Some(key)) {
                         continue;
                     }
-                    let Class { maps, masked, double_sided } = key.0;
+                    let Class { maps, masked, double_sided, unlit, blended } = key.0;
                     let mut constants = pass.constants.clone();
-                    let names = ["BASE_MAP", "ROUGH_MAP", "NORMAL_MAP", "OCCLUSION_MAP"];
+                    let names = ["BASE_MAP", "ROUGH_MAP", "NORMAL_MAP", "OCCLUSION_MAP", "EMISSION_MAP"];
                     constants.extend(names.into_iter().zip(maps).map(|(n, m)| (n, u32::from(m))));
-                    constants.push(("ALPHA_MASK", u32::from(masked)));
+                    let kinds = [("ALPHA_MASK", masked), ("UNLIT", unlit), ("BLEND", blended)];
+                    constants.extend(kinds.map(|(name, is)| (name, u32::from(is))));
                     let both = double_sided || *geometry == Geometry::Unwrapped;
                     let cull = if both { vk::CullModeFlags::NONE } else { vk::CullModeFlags::BACK };
                     let state = Raster { cull, ..state.clone() };
@@ -131,7 +160,7 @@ pub fn record(gpu: &Arc<Gpu>, timer: Option<Timer>, world: &World<'_>) -> Result
         match &pass.work {
             Work::Compute { domain, .. } => {
                 let pipeline = world.pipeline(index, None)?;
-                let find = |name: &str| world.find(pass, name, &[None; 4]);
+                let find = |name: &str| world.find(pass, name, &[None; 5]);
                 match domain {
                     Domain::Threads(threads) => open.dispatch_over(pipeline, *threads, &pass.push, find)?,
                     Domain::Tiles(list) => {
@@ -141,30 +170,32 @@ pub fn record(gpu: &Arc<Gpu>, timer: Option<Timer>, world: &World<'_>) -> Result
                     }
                 }
             }
-            Work::Raster { colors, depth, geometry, .. } => {
+            Work::Raster { state, colors, depth, geometry, .. } => {
                 let target = |name: &str| {
                     world.images.get(name).ok_or_else(|| GpuError::Misuse(format!("{}: no target {name}", pass.name)))
                 };
                 let colors =
                     colors.iter().map(|(n, clear)| Ok((target(n)?, *clear))).collect::<Result<Vec<_>, GpuError>>()?;
                 let depth = depth.as_ref().map(|d| Ok::<_, GpuError>((target(&d.0)?, d.1, d.2))).transpose()?;
-                open.render(&Attachments { colors: &colors, depth });
+                open.render(&Attachments { colors: &colors, depth, keep: state.over });
                 let streams: Vec<&Buffer> = world.resources.streams.iter().collect();
                 let indices = &world.resources.indices;
                 match geometry {
                     Geometry::Depth if world.index_count > 0 => {
                         let pipeline = world.pipeline(index, None)?;
-                        let find = |name: &str| world.find(pass, name, &[None; 4]);
+                        let find = |name: &str| world.find(pass, name, &[None; 5]);
                         open.prepare(pipeline, &streams[..1], indices, &pass.push, find)?;
-                        open.draw(0, world.index_count);
+                        if world.draws.iter().all(|(_, m)| m.alpha != Alpha::Blend) {
+                            open.draw(0, world.index_count);
+                        } else {
+                            drawn(*geometry, world.draws, &[])
+                                .for_each(|(d, _)| open.draw(d.first_index, d.index_count));
+                        }
                     }
                     Geometry::Depth => {}
-                    Geometry::Materials | Geometry::Unwrapped => {
-                        let all = *geometry == Geometry::Materials;
-                        let drawn =
-                            world.draws.iter().filter(|(d, m)| d.index_count > 0 && (all || m.scatter.is_some()));
-                        for (draw, material) in drawn {
-                            let pipeline = world.pipeline(index, Some(class(material)))?;
+                    Geometry::Materials | Geometry::Unwrapped | Geometry::Overlay => {
+                        for (draw, material) in drawn(*geometry, world.draws, world.overlay) {
+                            let pipeline = world.pipeline(index, Some(class(material, *geometry)))?;
                             let push = material_push(material, world.scatters);
                             let find = |name: &str| world.find(pass, name, &maps(material));
                             open.prepare(pipeline, &streams, indices, bytemuck::bytes_of(&push), find)?;
@@ -204,7 +235,7 @@ impl<'a> World<'a> {
             .ok_or_else(|| GpuError::Misuse(format!("pass {pass} has no pipeline")))
     }
 
-    fn find(&self, pass: &Pass, name: &str, maps: &[Option<usize>; 4]) -> Option<Bound<'a>> {
+    fn find(&self, pass: &Pass, name: &str, maps: &Maps) -> Option<Bound<'a>> {
         let name = pass.aliases.get(name).map_or(name, String::as_str);
         if let Some(image) = self.images.get(name) {
             let sampled = pass
@@ -226,8 +257,9 @@ fn material_push(m: &Material, scatters: bool) -> MaterialPush {
         normal_scale: m.normal_texture.map_or(1., |t| t.1),
         occlusion_strength: m.occlusion_texture.map_or(1., |t| t.1),
         alpha_cutoff: alpha_cutoff(m.alpha).unwrap_or(0.),
-        reflectance: r * r,
+        reflectance: r * r * m.specular,
         scatter: if scatters && m.scatter.is_some() { 1. } else { 0. },
+        emission: m.emission,
     }
 }
 

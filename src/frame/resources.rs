@@ -33,7 +33,11 @@ pub const EXTERNAL: &[&str] = &[
     "metallic_roughness_map",
     "normal_map",
     "occlusion_map",
+    "emission_map",
 ];
+
+/// Textures of a material: base colour, metallic and roughness, normal, occlusion, emission.
+pub type Maps = [Option<usize>; 5];
 
 /// Scene data on the device.
 pub struct Resources {
@@ -86,6 +90,9 @@ impl Resources {
         if s.normal_maps {
             streams.push(uploads.buffer("tangents", bytemuck::cast_slice(&scene.tangents), vertex)?);
         }
+        if s.colors {
+            streams.push(uploads.buffer("vertex colours", bytemuck::cast_slice(&scene.colors), vertex)?);
+        }
         if s.mass {
             let mass = mass::of_vertices(scene, &s.levels);
             streams.push(uploads.buffer("mass", bytemuck::cast_slice(&mass), vertex)?);
@@ -102,8 +109,11 @@ impl Resources {
         } else {
             Some(uploads.buffer("gutter", bytemuck::cast_slice(&s.gutter), vk::BufferUsageFlags::STORAGE_BUFFER)?)
         };
-        let indices =
-            uploads.buffer("indices", bytemuck::cast_slice(&scene.indices), vk::BufferUsageFlags::INDEX_BUFFER)?;
+        let indices: &[u32] = &match s.overlay.indices.as_slice() {
+            [] => std::borrow::Cow::Borrowed(scene.indices.as_slice()),
+            behind => std::borrow::Cow::Owned([&scene.indices, behind].concat()),
+        };
+        let indices = uploads.buffer("indices", bytemuck::cast_slice(indices), vk::BufferUsageFlags::INDEX_BUFFER)?;
         let mut samplers = Vec::new();
         let mut kinds: Vec<([Wrap; 2], Filter)> = Vec::new();
         let mut textures = Vec::new();
@@ -179,7 +189,7 @@ impl Resources {
     }
 
     /// The resource behind a name; `material` decides the texture maps.
-    pub fn find(&self, name: &str, maps: &[Option<usize>; 4]) -> Option<Bound<'_>> {
+    pub fn find(&self, name: &str, maps: &Maps) -> Option<Bound<'_>> {
         let map = |slot: usize| {
             let texture = maps[slot].and_then(|i| self.textures.get(i));
             match texture {
@@ -200,6 +210,7 @@ impl Resources {
             "metallic_roughness_map" => map(1),
             "normal_map" => map(2),
             "occlusion_map" => map(3),
+            "emission_map" => map(4),
             _ => return None,
         })
     }

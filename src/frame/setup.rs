@@ -1,6 +1,7 @@
 //! What a frame needs, found out from scene, camera, lights, profile and settings before anything is planned.
 
 use super::levels::{LEAST_SIGMA_PX, Levels, Magnification};
+use super::overlay::Overlay;
 use super::shadows::Shadows;
 use super::uniforms::MAX_LIGHTS;
 use super::{FrameError, Inputs};
@@ -33,6 +34,10 @@ pub struct Setup {
     pub normal_maps: bool,
     /// Some material is textured.
     pub uvs: bool,
+    /// Vertices have colours.
+    pub colors: bool,
+    /// What is drawn over the lit picture.
+    pub overlay: Overlay,
     /// Some light travels further than a pixel under the surface.
     pub diffuses: bool,
     /// The blur of `pdss` and `moments`.
@@ -173,6 +178,10 @@ impl Setup {
         if let Some(what) = missing {
             return Err(FrameError::View { view: settings.view, what });
         }
+        let overlay = match settings.view {
+            View::Final => Overlay::new(scene, &inputs.camera),
+            _ => Overlay::default(),
+        };
         let uvs = (all || used(&|m| m.is_textured()) || atlas.is_some()) && !scene.uvs.is_empty();
         Ok(Setup {
             size,
@@ -180,6 +189,8 @@ impl Setup {
             scatters,
             normal_maps,
             uvs,
+            colors: !scene.colors.is_empty(),
+            overlay,
             diffuses,
             mass,
             detail: mass && (normal_maps || super::mass::strays(scene)),
@@ -225,13 +236,19 @@ impl Setup {
     pub fn tone_curve(&self) -> u32 {
         match (self.output, self.settings.tone_map) {
             (Output::Linear, _) => 2,
+            _ if !self.overlay.draws.is_empty() => 2,
             (_, ToneMap::Linear) => 1,
             (_, ToneMap::Neutral) => 0,
         }
     }
 
-    /// The target that the picture ends in.
+    /// The target that lighting ends in.
     pub fn picture(&self) -> &'static str {
+        if self.overlay.draws.is_empty() { self.kept() } else { "exr" }
+    }
+
+    /// The target that the frame ends in.
+    pub fn kept(&self) -> &'static str {
         if self.output == Output::Linear { "exr" } else { "ldr" }
     }
 
@@ -293,11 +310,10 @@ impl ViewFacts {
     }
 }
 
-/// Whether a material is drawn with an alpha test: masks, and blends, which this renderer draws as cut-outs at one half.
+/// What a material that is drawn with an alpha test covers at least.
 pub fn alpha_cutoff(alpha: Alpha) -> Option<f32> {
     match alpha {
-        Alpha::Opaque => None,
         Alpha::Mask(cutoff) => Some(cutoff),
-        Alpha::Blend => Some(0.5),
+        Alpha::Opaque | Alpha::Blend => None,
     }
 }

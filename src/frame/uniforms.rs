@@ -76,4 +76,5 @@ pub struct MaterialPush {
     pub alpha_cutoff: f32,
     pub reflectance: f32,
     pub scatter: f32,
+    pub emission: [f32; 3],
 }

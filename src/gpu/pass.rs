@@ -22,6 +22,8 @@ pub struct Attachments<'a> {
     pub colors: &'a [(&'a Image, Option<[u32; 4]>)],
     /// Depth target, its layer if it is an array, its clear value; none where nothing hides anything.
     pub depth: Option<(&'a Image, Option<u32>, f32)>,
+    /// What all of them hold is kept, and drawn over.
+    pub keep: bool,
 }
 
 /// An open pass.
@@ -199,7 +201,9 @@ impl<'a> Pass<'a> {
                 vk::RenderingAttachmentInfo::default()
                     .image_view(image.view)
                     .image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
-                    .load_op(if clear.is_some() {
+                    .load_op(if attachments.keep {
+                        vk::AttachmentLoadOp::LOAD
+                    } else if clear.is_some() {
                         vk::AttachmentLoadOp::CLEAR
                     } else {
                         vk::AttachmentLoadOp::DONT_CARE
@@ -214,8 +218,8 @@ impl<'a> Pass<'a> {
         let depth = vk::RenderingAttachmentInfo::default()
             .image_view(attachments.depth.as_ref().map_or(vk::ImageView::null(), layered))
             .image_layout(vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL)
-            .load_op(vk::AttachmentLoadOp::CLEAR)
-            .store_op(vk::AttachmentStoreOp::STORE)
+            .load_op(if attachments.keep { vk::AttachmentLoadOp::LOAD } else { vk::AttachmentLoadOp::CLEAR })
+            .store_op(if attachments.keep { vk::AttachmentStoreOp::NONE } else { vk::AttachmentStoreOp::STORE })
             .clear_value(vk::ClearValue {
                 depth_stencil: vk::ClearDepthStencilValue { depth: attachments.depth.map_or(0., |d| d.2), stencil: 0 },
             });

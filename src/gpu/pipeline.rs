@@ -17,6 +17,8 @@ pub struct Raster {
     pub depth: vk::Format,
     /// Depth test.
     pub compare: vk::CompareOp,
+    /// Premultiplied colour is drawn over what is there: out = src + (1 - src.a) dst; depth is tested and not written.
+    pub over: bool,
     /// Faces that are not drawn.
     pub cull: vk::CullModeFlags,
     /// Slope-scaled and constant depth bias.
@@ -142,11 +144,16 @@ impl Pipeline {
             vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
         let depth = vk::PipelineDepthStencilStateCreateInfo::default()
             .depth_test_enable(raster.depth != vk::Format::UNDEFINED)
-            .depth_write_enable(raster.depth != vk::Format::UNDEFINED)
+            .depth_write_enable(raster.depth != vk::Format::UNDEFINED && !raster.over)
             .depth_compare_op(raster.compare);
         let blends = vec![
             vk::PipelineColorBlendAttachmentState::default()
-                .color_write_mask(vk::ColorComponentFlags::RGBA);
+                .color_write_mask(vk::ColorComponentFlags::RGBA)
+                .blend_enable(raster.over)
+                .src_color_blend_factor(vk::BlendFactor::ONE)
+                .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+                .src_alpha_blend_factor(vk::BlendFactor::ONE)
+                .dst_alpha_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA);
             raster.colors.len()
         ];
         let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);

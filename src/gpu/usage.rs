@@ -29,6 +29,10 @@ pub enum Usage {
     ColorAttachment,
     /// Depth attachment, cleared, tested and written.
     DepthAttachment,
+    /// Colour attachment, drawn over what is there.
+    ColorOver,
+    /// Depth attachment, tested alone.
+    DepthTest,
     /// Arguments of an indirect dispatch.
     Indirect,
     /// Source of a copy.
@@ -72,6 +76,8 @@ impl Usage {
             Usage::GraphicsRead     => (graphics, A::SHADER_STORAGE_READ, L::GENERAL, false, false),
             Usage::ColorAttachment  => (S::COLOR_ATTACHMENT_OUTPUT, A::COLOR_ATTACHMENT_WRITE, L::COLOR_ATTACHMENT_OPTIMAL, true, true),
             Usage::DepthAttachment  => (depth_stages, depth_access, L::DEPTH_ATTACHMENT_OPTIMAL, true, true),
+            Usage::ColorOver        => (S::COLOR_ATTACHMENT_OUTPUT, A::COLOR_ATTACHMENT_READ | A::COLOR_ATTACHMENT_WRITE, L::COLOR_ATTACHMENT_OPTIMAL, true, false),
+            Usage::DepthTest        => (depth_stages, A::DEPTH_STENCIL_ATTACHMENT_READ, L::DEPTH_ATTACHMENT_OPTIMAL, false, false),
             Usage::Indirect         => (S::DRAW_INDIRECT, A::INDIRECT_COMMAND_READ, L::UNDEFINED, false, false),
             Usage::CopyFrom         => (S::ALL_TRANSFER, A::TRANSFER_READ, L::TRANSFER_SRC_OPTIMAL, false, false),
             Usage::CopyTo           => (S::ALL_TRANSFER, A::TRANSFER_WRITE, L::TRANSFER_DST_OPTIMAL, true, true),

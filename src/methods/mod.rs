@@ -24,8 +24,7 @@ use crate::stages;
 pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
     let external = EXTERNAL.iter().map(|n| (*n).to_owned()).collect();
     let mut plan = Plan { external, ..Plan::default() };
-    let kept = s.picture();
-    plan.image(kept, s.size);
+    plan.image(s.picture(), s.size);
     // What projects below a pixel everywhere is a point, and nothing is left to scatter.
     let method = if s.diffuses { s.settings.method } else { Method::Lambert };
     match method {
@@ -49,7 +48,9 @@ pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
     if !s.lit_view() {
         stages::view::add(&mut plan, s);
     }
-    plan.keep(kept);
+    stages::overlay::add(&mut plan, s);
+    stages::tonemap::add(&mut plan, s);
+    plan.keep(s.kept());
     plan.finish()?;
     Ok(plan)
 }

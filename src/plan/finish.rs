@@ -57,9 +57,13 @@ impl Plan {
                 }
                 vec![shader]
             }
-            Work::Raster { vertex, fragment, colors, depth, .. } => {
-                list.extend(colors.iter().map(|(name, _)| (name.clone(), Usage::ColorAttachment)));
-                list.extend(depth.iter().map(|d| (d.0.clone(), Usage::DepthAttachment)));
+            Work::Raster { vertex, fragment, state, colors, depth, .. } => {
+                let (color, tested) = match state.over {
+                    true => (Usage::ColorOver, Usage::DepthTest),
+                    false => (Usage::ColorAttachment, Usage::DepthAttachment),
+                };
+                list.extend(colors.iter().map(|(name, _)| (name.clone(), color)));
+                list.extend(depth.iter().map(|d| (d.0.clone(), tested)));
                 std::iter::once(*vertex).chain(*fragment).collect()
             }
             Work::Update { buffers, .. } => return Ok(buffers.iter().map(|b| (b.clone(), Usage::CopyTo)).collect()),
@@ -140,8 +144,8 @@ fn image_usage(usage: Usage) -> vk::ImageUsageFlags {
             vk::ImageUsageFlags::STORAGE
         }
         Usage::ComputeSampled | Usage::FragmentSampled => vk::ImageUsageFlags::SAMPLED,
-        Usage::ColorAttachment => vk::ImageUsageFlags::COLOR_ATTACHMENT,
-        Usage::DepthAttachment => vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
+        Usage::ColorAttachment | Usage::ColorOver => vk::ImageUsageFlags::COLOR_ATTACHMENT,
+        Usage::DepthAttachment | Usage::DepthTest => vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
         Usage::CopyFrom => vk::ImageUsageFlags::TRANSFER_SRC,
         Usage::CopyTo => vk::ImageUsageFlags::TRANSFER_DST,
         _ => vk::ImageUsageFlags::empty(),

@@ -95,6 +95,8 @@ pub enum Geometry {
     Materials,
     /// The same for the materials that scatter alone, both sides of every triangle.
     Unwrapped,
+    /// A draw per material of those that are drawn over the picture, blended ones in order.
+    Overlay,
 }
 
 /// One step of the frame.

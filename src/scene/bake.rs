@@ -29,6 +29,7 @@ pub(super) struct LocalPrimitive {
     pub normals: Option<Vec<[f32; 3]>>,
     pub tangents: Option<Vec<[f32; 4]>>,
     pub uvs: Option<Vec<[f32; 2]>>,
+    pub colors: Option<Vec<[f32; 4]>>,
     pub triangles: Vec<[u32; 3]>,
     /// Vertices after the last whole triangle.
     pub remainder: usize,
@@ -42,9 +43,10 @@ pub(super) struct BakedPrimitive {
     pub material: usize,
     pub positions: Vec<DVec3>,
     pub normals: Vec<[f32; 3]>,
-    /// Empty if not needed, like `uvs`.
+    /// Empty if not needed, like `uvs` and `colors`.
     pub tangents: Vec<[f32; 4]>,
     pub uvs: Vec<[f32; 2]>,
+    pub colors: Vec<[f32; 4]>,
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -144,6 +146,7 @@ fn place(local: &LocalPrimitive, world: &DAffine3, tally: &mut Tally) -> BakedPr
         normals: Vec::new(),
         tangents: Vec::new(),
         uvs: local.uvs.clone().unwrap_or_default(),
+        colors: local.colors.clone().unwrap_or_default(),
         triangles,
     }
 }
@@ -264,6 +267,7 @@ fn drop_unused(baked: &mut BakedPrimitive) {
     keep(&mut baked.normals, &new);
     keep(&mut baked.tangents, &new);
     keep(&mut baked.uvs, &new);
+    keep(&mut baked.colors, &new);
 }
 
 /// Keeps the items (if there are any) whose new number is not `u32::MAX`.

@@ -1,6 +1,6 @@
 //! Materials and textures as the renderer needs them: factors, texture slots, alpha, and which profile scatters.
 
-/// The surface of a draw: glTF's metallic-roughness model, less emission.
+/// The surface of a draw: glTF's metallic-roughness model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Name in the file, or `material N` for the N-th without a name.
@@ -25,9 +25,19 @@ pub struct Material {
     pub double_sided: bool,
     /// Index of refraction, at least 1, or 0 for a surface that reflects all (KHR_materials_ior); 1.5 if not given.
     pub ior: f32,
+    /// Linear radiance that it gives off, not negative; multiplies the texture.
+    pub emission: [f32; 3],
+    /// Index into the textures, sRGB.
+    pub emission_texture: Option<usize>,
+    /// Its base colour is what is seen, whatever the light (KHR_materials_unlit).
+    pub unlit: bool,
     /// Whether the file says that light passes into the surface and comes out diffusely
     /// (KHR_materials_diffuse_transmission with a factor above 0).
     pub translucent: bool,
+    /// How light goes on inside, where the file says so.
+    pub scattering: Option<Scattering>,
+    /// Part of the reflectance at normal incidence that the index of refraction gives, 0..1 (KHR_materials_specular).
+    pub specular: f32,
     /// Index into the caller's list of profiles; `None` does not scatter. Loaders leave it `None`.
     pub scatter: Option<usize>,
 }
@@ -47,14 +57,24 @@ impl Material {
             alpha: Alpha::Opaque,
             double_sided: false,
             ior: 1.5,
+            emission: [0.0; 3],
+            emission_texture: None,
+            unlit: false,
             translucent: false,
+            scattering: None,
+            specular: 1.0,
             scatter: None,
         }
     }
 
-    /// Whether light enters the surface and may come out elsewhere: not blended, and rather dielectric than metal.
+    /// Whether light enters the surface and may come out elsewhere: lit, not blended, and rather dielectric than metal.
     pub fn is_opaque_dielectric(&self) -> bool {
-        self.alpha != Alpha::Blend && self.metallic < 0.5
+        self.alpha != Alpha::Blend && self.metallic < 0.5 && !self.unlit
+    }
+
+    /// Whether it is drawn, or drawn again, over the lit picture: blended, unlit, or giving off light.
+    pub fn is_overlaid(&self) -> bool {
+        self.alpha == Alpha::Blend || self.unlit || self.emission.iter().any(|e| *e > 0.0)
     }
 
     /// Whether any texture is read, so that UVs are needed.
@@ -63,7 +83,21 @@ impl Material {
             || self.metallic_roughness_texture.is_some()
             || self.normal_texture.is_some()
             || self.occlusion_texture.is_some()
+            || self.emission_texture.is_some()
     }
+}
+
+/// The inside of a material as glTF has it (KHR_materials_volume and its companions).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scattering {
+    /// mm after which white light has the colour `attenuation`; above 0, finite.
+    pub distance_mm: f64,
+    /// Linear RGB, 0..1, below 1.
+    pub attenuation: [f64; 3],
+    /// What comes back after all scattering, linear RGB, 0..1.
+    pub multiscatter: [f64; 3],
+    /// Mean cosine of the phase function, -1..1.
+    pub anisotropy: f64,
 }
 
 /// What the alpha channel of the base colour means.

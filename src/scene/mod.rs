@@ -29,7 +29,7 @@ pub(crate) use camera::framing_distance;
 pub use camera::{Camera, Projection};
 pub use error::SceneError;
 pub use light::{Light, LightKind, direction_from};
-pub use material::{Alpha, Filter, Material, Texture, Wrap};
+pub use material::{Alpha, Filter, Material, Scattering, Texture, Wrap};
 pub use mesh_curvature::vertex_curvature;
 pub use mips::Mips;
 pub use shape::{ShapeSpec, shape_curvature, shape_normal};
@@ -52,6 +52,8 @@ pub struct Scene {
     pub tangents: Vec<[f32; 4]>,
     /// Texture coordinates, v downwards; empty if no texture is used (and `keep_uvs` is off), else as many as positions.
     pub uvs: Vec<[f32; 2]>,
+    /// Linear RGBA, not negative, that multiplies the base colour; empty if no vertex has a colour, else as many as positions.
+    pub colors: Vec<[f32; 4]>,
     /// Triangles, counter-clockwise seen from the front; every index is below `positions.len()`.
     pub indices: Vec<u32>,
     /// Runs of `indices`, one for each material, in the order of `materials`.
@@ -206,6 +208,14 @@ impl Scene {
             Some(name) if !found => Err(SceneError::Material { name: name.to_owned(), known: self.material_names() }),
             _ => Ok(()),
         }
+    }
+
+    /// The drawn materials that say how light goes on inside them, each with that, the one of the most triangles first.
+    pub fn scatterings(&self) -> Vec<(&Material, Scattering)> {
+        let mut draws: Vec<_> = self.draws.iter().collect();
+        draws.sort_by_key(|d| std::cmp::Reverse(d.index_count));
+        let materials = draws.iter().filter_map(|d| self.materials.get(d.material));
+        materials.filter_map(|m| Some((m, m.scattering?))).collect()
     }
 
     fn material_names(&self) -> String {

@@ -24,6 +24,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     let vertex = gbuffer::vertex(s, extra);
     let pass = plan
         .raster("forward", vertex, Some(fragment), state, colors, depth, Geometry::Materials)
+        .constant("TINT", u32::from(s.colors))
         .constant("OUTPUT", s.lit_output())
         .constant("SHADOWS", u32::from(!s.shadows.matrices.is_empty()))
         .constant("AMBIENT", u32::from(lit && s.ambient))

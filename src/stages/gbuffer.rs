@@ -42,6 +42,9 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     if !s.uvs {
         plan.leave_out("texture coordinates", "no material is textured", 0);
     }
+    if !s.colors {
+        plan.leave_out("vertex colours", "no vertex has one", 0);
+    }
     let extra = if s.mass { Extra::Mass } else { Extra::None };
     let fragment = match (s.mass, s.detail, s.normal_maps) {
         (false, _, _) if s.atlas.is_some() => &shaders::GBUFFER_FRAG_CHART,
@@ -54,7 +57,9 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     // A viewz of 0 says that nothing else of the pixel means anything, so nothing else is cleared.
     let colors = colors.into_iter().map(|n| (n.to_owned(), (n == "viewz").then_some([0; 4]))).collect();
     let depth = Some(("depth".to_owned(), None, 0.));
-    let pass = plan.raster("gbuffer", vertex(s, extra), Some(fragment), state, colors, depth, Geometry::Materials);
+    let pass = plan
+        .raster("gbuffer", vertex(s, extra), Some(fragment), state, colors, depth, Geometry::Materials)
+        .constant("TINT", u32::from(s.colors));
     if s.mass {
         pass.constant("FIRST", s.levels.first_gathered()).constant("LEVELS", s.levels.levels.len() as u32);
     }
@@ -69,6 +74,9 @@ pub fn state(s: &Setup, colors: &[&str], extra: Extra) -> Raster {
     }
     if s.normal_maps {
         streams.push((3, vk::Format::R32G32B32A32_SFLOAT));
+    }
+    if s.colors {
+        streams.push((6, vk::Format::R32G32B32A32_SFLOAT));
     }
     match extra {
         Extra::None => {}
@@ -86,15 +94,24 @@ pub fn state(s: &Setup, colors: &[&str], extra: Extra) -> Raster {
 
 /// The vertex shader for those streams.
 pub fn vertex(s: &Setup, extra: Extra) -> &'static Shader {
-    match (extra, s.uvs, s.normal_maps) {
-        (Extra::None, false, _) => &shaders::GBUFFER_VERT_PLAIN,
-        (Extra::None, true, false) => &shaders::GBUFFER_VERT_UV,
-        (Extra::None, true, true) => &shaders::GBUFFER_VERT_TANGENT,
-        (Extra::Bend, false, _) => &shaders::GBUFFER_VERT_PLAIN_BEND,
-        (Extra::Bend, true, false) => &shaders::GBUFFER_VERT_UV_BEND,
-        (Extra::Bend, true, true) => &shaders::GBUFFER_VERT_TANGENT_BEND,
-        (Extra::Mass, false, _) => &shaders::GBUFFER_VERT_PLAIN_MASS,
-        (Extra::Mass, true, false) => &shaders::GBUFFER_VERT_UV_MASS,
-        (Extra::Mass, true, true) => &shaders::GBUFFER_VERT_TANGENT_MASS,
+    match (extra, s.uvs, s.normal_maps, s.colors) {
+        (Extra::None, false, _, false) => &shaders::GBUFFER_VERT_PLAIN,
+        (Extra::None, true, false, false) => &shaders::GBUFFER_VERT_UV,
+        (Extra::None, true, true, false) => &shaders::GBUFFER_VERT_TANGENT,
+        (Extra::Bend, false, _, false) => &shaders::GBUFFER_VERT_PLAIN_BEND,
+        (Extra::Bend, true, false, false) => &shaders::GBUFFER_VERT_UV_BEND,
+        (Extra::Bend, true, true, false) => &shaders::GBUFFER_VERT_TANGENT_BEND,
+        (Extra::Mass, false, _, false) => &shaders::GBUFFER_VERT_PLAIN_MASS,
+        (Extra::Mass, true, false, false) => &shaders::GBUFFER_VERT_UV_MASS,
+        (Extra::Mass, true, true, false) => &shaders::GBUFFER_VERT_TANGENT_MASS,
+        (Extra::None, false, _, true) => &shaders::GBUFFER_VERT_PLAIN_COLOR,
+        (Extra::None, true, false, true) => &shaders::GBUFFER_VERT_UV_COLOR,
+        (Extra::None, true, true, true) => &shaders::GBUFFER_VERT_TANGENT_COLOR,
+        (Extra::Bend, false, _, true) => &shaders::GBUFFER_VERT_PLAIN_BEND_COLOR,
+        (Extra::Bend, true, false, true) => &shaders::GBUFFER_VERT_UV_BEND_COLOR,
+        (Extra::Bend, true, true, true) => &shaders::GBUFFER_VERT_TANGENT_BEND_COLOR,
+        (Extra::Mass, false, _, true) => &shaders::GBUFFER_VERT_PLAIN_MASS_COLOR,
+        (Extra::Mass, true, false, true) => &shaders::GBUFFER_VERT_UV_MASS_COLOR,
+        (Extra::Mass, true, true, true) => &shaders::GBUFFER_VERT_TANGENT_MASS_COLOR,
     }
 }

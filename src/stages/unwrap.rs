@@ -20,6 +20,9 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     if s.normal_maps {
         streams.push((3, vk::Format::R32G32B32A32_SFLOAT));
     }
+    if s.colors {
+        streams.push((6, vk::Format::R32G32B32A32_SFLOAT));
+    }
     streams.push((5, vk::Format::R32_SFLOAT));
     let names = ["sheet0", "stretch"];
     for name in names {
@@ -27,9 +30,15 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     }
     let state = Raster { colors: names.map(format).to_vec(), streams, ..Raster::default() };
     let colors = names.map(|n| (n.to_owned(), Some([0; 4]))).to_vec();
-    let vertex = if s.normal_maps { &shaders::UNWRAP_VERT_TANGENT } else { &shaders::UNWRAP_VERT_UV };
+    let vertex = match (s.normal_maps, s.colors) {
+        (false, false) => &shaders::UNWRAP_VERT_UV,
+        (true, false) => &shaders::UNWRAP_VERT_TANGENT,
+        (false, true) => &shaders::UNWRAP_VERT_UV_COLOR,
+        (true, true) => &shaders::UNWRAP_VERT_TANGENT_COLOR,
+    };
     let pass = plan
         .raster("unwrap", vertex, Some(&shaders::UNWRAP_FRAG), state, colors, None, Geometry::Unwrapped)
+        .constant("TINT", u32::from(s.colors))
         .constant("SHADOWS", u32::from(!s.shadows.matrices.is_empty()))
         .constant("AMBIENT", u32::from(s.settings.view == View::Final && s.ambient))
         .constant("SHEET_BORDER", s.border.to_bits())

@@ -1,7 +1,7 @@
 //! Textures, tangents, UVs, lights and cameras of files made here.
 
 use glam::{Vec3, Vec4};
-use pdss::scene::{Alpha, LightKind, LoadOptions, Projection};
+use pdss::scene::{Alpha, LightKind, LoadOptions, Projection, Scattering};
 use serde_json::{Value, json};
 
 use crate::check::assert_sound;
@@ -52,7 +52,7 @@ fn textures_are_decoded_once_for_each_use() {
     assert!(made.refusal(&textured()).contains("images[0]: damaged image"));
     std::fs::remove_file(made.0.path().join("a.png")).unwrap();
     assert!(made.refusal(&textured()).contains("images[0].uri: cannot read"));
-    std::fs::write(made.0.path().join("a.png"), b"RIFF\x10\0\0\0WEBPVP8 ").unwrap();
+    std::fs::write(made.0.path().join("a.png"), b"\xABKTX 20\xBB\r\n\x1a\n").unwrap();
     let scene = made.load(&textured()).unwrap();
     assert!(scene.textures.is_empty() && scene.tangents.is_empty() && scene.uvs.is_empty());
     assert!(scene.warnings.iter().any(|w| w.contains("images[0]: ")), "{:?}", scene.warnings);
@@ -178,4 +178,80 @@ fn lights_and_cameras_stand_where_their_nodes_are() {
     assert_eq!(flat.projection, Projection::Orthographic { height_mm: 1000.0 });
     document["cameras"][0]["perspective"]["yfov"] = json!(4);
     assert!(made.refusal(&document).contains("cameras[0].perspective: it sees nothing"));
+}
+
+/// The inside of a material, by both spellings of the draft, its successor and the plain extension; and what makes no sense.
+#[test]
+fn scattering_is_read_however_it_is_spelt() {
+    let made = Fixture::new();
+    let load = |extensions: serde_json::Value| {
+        let mut document = square();
+        document["materials"] = json!([{"name": "wax", "extensions": extensions}]);
+        document["meshes"][0]["primitives"][0]["material"] = json!(0);
+        let options = LoadOptions { mm_per_unit: Some(10.0), ..LoadOptions::default() };
+        made.load_with(&document, &options).unwrap()
+    };
+    let volume = json!({"attenuationDistance": 0.2, "attenuationColor": [0.5, 0.25, 0.125]});
+    let expected = Scattering {
+        distance_mm: 2.0,
+        attenuation: [0.5, 0.25, 0.125],
+        multiscatter: [0.5, 0.75, 1.0].map(|c: f32| f64::from(c)),
+        anisotropy: 0.0,
+    };
+    let color = [0.5, 0.75, 1.0];
+    for of in [
+        json!({"KHR_materials_volume_scatter": {"multiscatterColor": color}}),
+        json!({"KHR_materials_volume_scatter": {"multiscatterColorFactor": color}}),
+        json!({"KHR_materials_scatter": {"scatterStrengthFactor": 1, "multiscatterColorFactor": color}}),
+        json!({"KHR_materials_diffuse_transmission":
+            {"diffuseTransmissionFactor": 0.5, "diffuseTransmissionColorFactor": color}}),
+    ] {
+        let mut of = of;
+        of["KHR_materials_volume"] = volume.clone();
+        let scene = load(of.clone());
+        assert!(scene.materials[0].translucent, "{of}");
+        assert_eq!(scene.materials[0].scattering, Some(expected), "{of}");
+        assert_eq!(scene.scatterings().len(), 1);
+    }
+    // Glass holds light, too, but does not scatter it.
+    let glass = load(json!({"KHR_materials_volume": volume}));
+    assert!(!glass.materials[0].translucent && glass.materials[0].scattering.is_none());
+    // Strength 0 scatters nothing.
+    let still =
+        load(json!({"KHR_materials_volume": volume, "KHR_materials_scatter": {"multiscatterColorFactor": color}}));
+    assert_eq!(still.materials[0].scattering, None);
+    let odd = load(json!({
+        "KHR_materials_volume": {"attenuationDistance": -1, "attenuationColor": [0.5, 0.5, 0.5]},
+        "KHR_materials_volume_scatter": {"multiscatterColor": [2, 0.5, 0.5]},
+    }));
+    assert_eq!(odd.materials[0].scattering, None);
+    for words in ["attenuationDistance: light goes on for ever", "multiscatterColor: 2 makes no sense; 1 is taken"] {
+        assert!(odd.warnings.iter().any(|w| w.contains(words)), "{:?}", odd.warnings);
+    }
+}
+
+/// Factors, colours of vertices and the alike: as they stand, or said and brought into their range.
+#[test]
+fn emission_unlit_and_colours_of_vertices_are_read() {
+    let mut document = square();
+    document["materials"] = json!([{
+        "emissiveFactor": [1, 0.5, 0.25],
+        "pbrMetallicRoughness": {"roughnessFactor": -3, "metallicFactor": 0.5},
+        "extensions": {
+            "KHR_materials_emissive_strength": {"emissiveStrength": 8},
+            "KHR_materials_unlit": {},
+            "KHR_materials_specular": {"specularFactor": 0.25},
+        },
+    }]);
+    document["meshes"][0]["primitives"][0]["material"] = json!(0);
+    let made = Fixture::new();
+    let scene = made.load(&document).unwrap();
+    let material = &scene.materials[0];
+    assert_eq!((material.emission, material.unlit, material.specular), ([8., 4., 2.], true, 0.25));
+    assert_eq!((material.roughness, material.metallic), (0.0, 0.5));
+    let said = "materials[0].pbrMetallicRoughness.roughnessFactor: -3 makes no sense; 0 is taken";
+    assert!(scene.warnings.iter().any(|w| w == said), "{:?}", scene.warnings);
+    assert!(scene.colors.is_empty());
+    add_attribute(&mut document, "COLOR_0", "VEC3", &[0.5, 0.25, 2.0].repeat(4));
+    assert_eq!(made.load(&document).unwrap().colors, [[0.5, 0.25, 2.0, 1.0]; 4]);
 }

@@ -15,6 +15,12 @@ pub fn fault_of(scene: &Scene) -> Option<String> {
         (scene.normals.len() == count, "a normal a vertex"),
         ([0, count].contains(&scene.tangents.len()), "a tangent a vertex"),
         ([0, count].contains(&scene.uvs.len()), "a uv a vertex"),
+        ([0, count].contains(&scene.colors.len()), "a colour a vertex"),
+        (scene.colors.as_flattened().iter().all(|x| x.is_finite() && *x >= 0.0), "colours finite, not negative"),
+        (
+            scene.materials.iter().all(|m| m.emission.iter().all(|e| e.is_finite() && *e >= 0.0)),
+            "emission finite, not negative",
+        ),
         (scene.normals.iter().all(|&n| unit(n.into())), "unit normals"),
         (scene.tangents.iter().all(|t| unit(Vec3::from_slice(t)) && t[3].abs() == 1.0), "unit tangents"),
         (scene.indices.iter().all(|&i| (i as usize) < count), "indices in range"),
@@ -27,7 +33,7 @@ pub fn fault_of(scene: &Scene) -> Option<String> {
         (scene.bounds.center().length() <= 1e-3 * scene.bounds.size().length(), "centred"),
         (
             scene.materials.iter().all(|m| {
-                let slots = [m.base_color_texture, m.metallic_roughness_texture];
+                let slots = [m.base_color_texture, m.metallic_roughness_texture, m.emission_texture];
                 let scaled = [m.normal_texture, m.occlusion_texture].map(|s| s.map(|s| s.0));
                 slots.iter().chain(&scaled).flatten().all(|&t| t < scene.textures.len())
             }),

@@ -1,5 +1,6 @@
 use crate::twin::apart;
-use pdss::skin::profile::{Fit, Gaussian, MAX_LEVELS, MAX_RADIUS_ENERGY, Profile, ProfileError, Shape};
+use pdss::scene::Scattering;
+use pdss::skin::profile::{Fit, Gaussian, MAX_LEVELS, MAX_RADIUS_ENERGY, Profile, ProfileError, Shape, single_albedo};
 use pdss::skin::sphere::{burley as burley_on_sphere, exitance_normalised};
 use std::f64::consts::TAU;
 use std::time::Instant;
@@ -210,4 +211,33 @@ fn a_good_file_is_read() {
     let white = Profile::parse(text, "t", "t").unwrap();
     assert_eq!(white.albedo, Some([1.0; 3]));
     assert!(matches!(white.shape, Shape::Burley { d } if (d[0] - 0.5 / 1.04).abs() < 1e-12));
+}
+
+/// A volume is Burley's profile by its mean free path: of an isotropic one d = l / s(A), l = distance / -ln(colour).
+#[test]
+fn a_volume_has_the_distances_that_its_attenuation_gives() {
+    let volume = |g: f64| Scattering {
+        distance_mm: 2.0,
+        attenuation: [(-1f64).exp(), (-2f64).exp(), (-4f64).exp()],
+        multiscatter: [0.8, 0.5, 0.1],
+        anisotropy: g,
+    };
+    let distances = |g: f64| match Profile::of_volume("wax", &volume(g), 1.4).shape {
+        Shape::Burley { d } => d,
+        Shape::Gaussians(_) => unreachable!("a volume is Burley's"),
+    };
+    // s(0.8) = 1.1, s(0.5) = 1.715, s(0.1) = 3.515; l = 2, 1, 0.5.
+    let expected = [2.0 / 1.1, 1.0 / 1.715, 0.5 / 3.515];
+    for (d, e) in distances(0.0).into_iter().zip(expected) {
+        assert!((d / e - 1.0).abs() < 1e-12, "{d} where {e} should be");
+    }
+    // Nothing scatters at 0, all at 1; forward scattering carries light further, and only what scatters.
+    assert!(single_albedo(0.0, 0.0) < 0.005 && single_albedo(1.0, 0.0) > 0.9999);
+    let (ahead, still) = (distances(0.5), distances(0.0));
+    for c in 0..3 {
+        let albedo = single_albedo(volume(0.5).multiscatter[c], 0.5);
+        let similar = 1.0 / (1.0 - 0.5 * albedo);
+        assert!((ahead[c] / still[c] / similar - 1.0).abs() < 1e-12);
+        assert!(similar > 1.05, "an anisotropy that is not read would pass");
+    }
 }

@@ -60,6 +60,7 @@ impl Wardrobe {
         let damaged = decoded.iter().flatten().filter_map(|image| image.as_ref().err());
         wardrobe.warnings.extend(damaged.cloned());
 
+        wardrobe.warnings.extend(picked.iter().flat_map(|source| source.odd.iter().cloned()));
         let dropped: usize = picked.iter().map(|source| source.dropped).sum();
         if dropped > 0 {
             wardrobe
@@ -92,7 +93,7 @@ impl Wardrobe {
             let Some(Some(Ok(image))) = texture.image.map(|image| &decoded[image]) else {
                 continue;
             };
-            let key = (slot.texture, slot.slot == Slot::BaseColor);
+            let key = (slot.texture, matches!(slot.slot, Slot::BaseColor | Slot::Emission));
             let index = match made.iter().position(|m| *m == key) {
                 Some(index) => index,
                 None => {
@@ -103,6 +104,7 @@ impl Wardrobe {
             };
             match slot.slot {
                 Slot::BaseColor => material.base_color_texture = Some(index),
+                Slot::Emission => material.emission_texture = Some(index),
                 Slot::Normal => material.normal_texture = Some((index, slot.factor)),
                 Slot::MetallicRoughness => material.metallic_roughness_texture = Some(index),
                 Slot::Occlusion => {
@@ -144,6 +146,7 @@ impl Wardrobe {
         let has_tangents = self.materials.iter().any(|m| m.normal_texture.is_some());
         let has_uvs = self.materials.iter().any(Material::is_textured)
             || (self.keep_uvs && primitives.iter().any(|p| !p.uvs.is_empty()));
+        let has_colors = primitives.iter().any(|p| !p.colors.is_empty());
         let mut scene = Scene {
             name: String::new(),
             origin: if vertices > 0 { min.midpoint(max) } else { DVec3::ZERO },
@@ -152,6 +155,7 @@ impl Wardrobe {
             normals: Vec::with_capacity(vertices),
             tangents: Vec::with_capacity(if has_tangents { vertices } else { 0 }),
             uvs: Vec::with_capacity(if has_uvs { vertices } else { 0 }),
+            colors: Vec::with_capacity(if has_colors { vertices } else { 0 }),
             indices: Vec::with_capacity(indices),
             draws: Vec::new(),
             materials: std::mem::take(&mut self.materials),
@@ -168,7 +172,7 @@ impl Wardrobe {
         for (material, primitives) in by_material.into_iter().enumerate() {
             let first_index = scene.indices.len() as u32;
             for primitive in primitives {
-                append(&mut scene, primitive, has_tangents, has_uvs);
+                append(&mut scene, primitive, Has { tangents: has_tangents, uvs: has_uvs, colors: has_colors });
             }
             let index_count = scene.indices.len() as u32 - first_index;
             if index_count > 0 {
@@ -180,20 +184,33 @@ impl Wardrobe {
     }
 }
 
-fn append(scene: &mut Scene, primitive: BakedPrimitive, has_tangents: bool, has_uvs: bool) {
+/// What every vertex of the scene has, because some need it.
+#[derive(Clone, Copy)]
+struct Has {
+    tangents: bool,
+    uvs: bool,
+    colors: bool,
+}
+
+fn append(scene: &mut Scene, primitive: BakedPrimitive, has: Has) {
     let base = scene.positions.len() as u32;
     let count = primitive.positions.len();
     let origin = scene.origin;
     let relative = |p: &DVec3| (*p - origin).as_vec3().to_array();
     scene.positions.extend(primitive.positions.iter().map(relative));
-    if has_tangents && primitive.tangents.is_empty() {
+    if has.tangents && primitive.tangents.is_empty() {
         scene.tangents.extend(primitive.normals.iter().map(|&n| across(n)));
-    } else if has_tangents {
+    } else if has.tangents {
         scene.tangents.extend(primitive.tangents);
     }
-    if has_uvs && primitive.uvs.is_empty() {
+    if has.colors && primitive.colors.is_empty() {
+        scene.colors.extend(std::iter::repeat_n([1.0; 4], count));
+    } else if has.colors {
+        scene.colors.extend(primitive.colors);
+    }
+    if has.uvs && primitive.uvs.is_empty() {
         scene.uvs.extend(std::iter::repeat_n([0.0; 2], count));
-    } else if has_uvs {
+    } else if has.uvs {
         scene.uvs.extend(primitive.uvs);
     }
     scene.normals.extend(primitive.normals);

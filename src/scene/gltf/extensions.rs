@@ -4,11 +4,18 @@ use super::json::At;
 use crate::scene::error::Fault;
 
 /// Read and obeyed.
-const SUPPORTED: [&str; 6] = [
+const SUPPORTED: [&str; 13] = [
+    "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_diffuse_transmission",
+    "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_scatter",
+    "KHR_materials_specular",
+    "KHR_materials_unlit",
+    "KHR_materials_volume",
+    "KHR_materials_volume_scatter",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 ];

@@ -33,7 +33,11 @@ pub(super) fn read_textures(root: &At) -> Result<Vec<TextureSource>, Fault> {
     let images = root.list("images")?;
     let mut textures = Vec::new();
     for (index, at) in root.list("textures")?.iter().enumerate() {
-        let image = at.index("source", images.len(), "images")?;
+        let webp = match at.extension("EXT_texture_webp")? {
+            Some(webp) => webp.index("source", images.len(), "images")?,
+            None => None,
+        };
+        let image = webp.or(at.index("source", images.len(), "images")?);
         let sampler = at.index("sampler", samplers.len(), "samplers")?;
         let (wrap, filter) = match sampler {
             Some(sampler) => samplers[sampler],

@@ -3,6 +3,7 @@
 use glam::{DAffine2, DMat2, DVec2};
 
 use super::json::At;
+use super::scattering;
 use crate::scene::error::Fault;
 use crate::scene::material::{Alpha, Material};
 
@@ -13,6 +14,7 @@ pub(super) enum Slot {
     Normal,
     MetallicRoughness,
     Occlusion,
+    Emission,
 }
 
 /// A texture in its slot.
@@ -46,32 +48,35 @@ pub(super) struct MaterialSource {
     pub uvs: Uvs,
     /// Slots left out because their UVs differ from those of the others.
     pub dropped: usize,
+    /// A line for each value that makes no sense, with the one that is taken.
+    pub odd: Vec<String>,
 }
 
 /// All materials of the file.
-pub(super) fn read_materials(root: &At, textures: usize) -> Result<Vec<MaterialSource>, Fault> {
+pub(super) fn read_materials(root: &At, textures: usize, mm_per_unit: f64) -> Result<Vec<MaterialSource>, Fault> {
     let list = root.list("materials")?;
-    list.iter().enumerate().map(|(index, at)| read_material(at, index, textures)).collect()
+    list.iter().enumerate().map(|(index, at)| read_material(at, index, textures, mm_per_unit)).collect()
 }
 
 /// What a primitive without a material wears: glTF's default is a metal, which nobody means who leaves it out.
 pub(super) fn default_material() -> MaterialSource {
     let mut material = Material::new("default");
     material.roughness = 1.0;
-    MaterialSource { material, slots: Vec::new(), uvs: Uvs::PLAIN, dropped: 0 }
+    MaterialSource { material, slots: Vec::new(), uvs: Uvs::PLAIN, dropped: 0, odd: Vec::new() }
 }
 
-fn read_material(at: &At, index: usize, textures: usize) -> Result<MaterialSource, Fault> {
+fn read_material(at: &At, index: usize, textures: usize, mm_per_unit: f64) -> Result<MaterialSource, Fault> {
     let name = at.text("name")?.filter(|name| !name.is_empty());
     let name = name.map_or_else(|| format!("material {index}"), str::to_owned);
     let mut material = Material::new(&name);
+    let odd = &mut Vec::new();
     material.metallic = 1.0;
     material.roughness = 1.0;
     material.double_sided = at.flag("doubleSided")?;
     material.alpha = match at.text("alphaMode")? {
         None | Some("OPAQUE") => Alpha::Opaque,
         Some("BLEND") => Alpha::Blend,
-        Some("MASK") => Alpha::Mask(at.number("alphaCutoff")?.unwrap_or(0.5) as f32),
+        Some("MASK") => Alpha::Mask(unit(at, "alphaCutoff", 0.5, odd)?),
         Some(other) => {
             return Err(Fault::new(
                 at.place("alphaMode"),
@@ -80,12 +85,14 @@ fn read_material(at: &At, index: usize, textures: usize) -> Result<MaterialSourc
         }
     };
     if let Some(ior) = at.extension("KHR_materials_ior")? {
-        let ior = ior.number("ior")?.unwrap_or(1.5) as f32;
-        material.ior = if ior == 0.0 { 0.0 } else { ior.max(1.0) };
+        let given = ior.number("ior")?.unwrap_or(1.5);
+        // 0 is the extension's own word for a surface that reflects all.
+        material.ior = if given == 0.0 { 0.0 } else { within(&ior, "ior", given, 1.0, f64::INFINITY, odd) };
     }
-    if let Some(through) = at.extension("KHR_materials_diffuse_transmission")? {
-        material.translucent = through.number("diffuseTransmissionFactor")?.is_some_and(|part| part > 0.0);
+    if let Some(specular) = at.extension("KHR_materials_specular")? {
+        material.specular = unit(&specular, "specularFactor", 1.0, odd)?;
     }
+    (material.translucent, material.scattering) = scattering::read(at, mm_per_unit, odd)?;
     let mut slots = Vec::new();
     let mut take = |of: &At, key: &str, slot: Slot, factor: &str| {
         let found = read_slot(of, key, slot, factor, textures);
@@ -95,25 +102,36 @@ fn read_material(at: &At, index: usize, textures: usize) -> Result<MaterialSourc
     if let Some(of) = &specular_glossiness {
         // The nearest dielectric: its diffuse colour and its gloss; a coloured highlight is lost.
         material.metallic = 0.0;
-        set_color(&mut material, of.numbers::<4>("diffuseFactor")?);
-        material.roughness = 1.0 - unit(of.number("glossinessFactor")?, 1.0);
+        material.base_color = color(of, "diffuseFactor", odd)?;
+        material.roughness = 1.0 - unit(of, "glossinessFactor", 1.0, odd)?;
         take(of, "diffuseTexture", Slot::BaseColor, "")?;
     }
     take(at, "normalTexture", Slot::Normal, "scale")?;
     if let Some(of) = at.object("pbrMetallicRoughness")?
         && specular_glossiness.is_none()
     {
-        set_color(&mut material, of.numbers::<4>("baseColorFactor")?);
-        material.metallic = unit(of.number("metallicFactor")?, 1.0);
-        material.roughness = unit(of.number("roughnessFactor")?, 1.0);
+        material.base_color = color(&of, "baseColorFactor", odd)?;
+        material.metallic = unit(&of, "metallicFactor", 1.0, odd)?;
+        material.roughness = unit(&of, "roughnessFactor", 1.0, odd)?;
         take(&of, "baseColorTexture", Slot::BaseColor, "")?;
         let slot = Slot::MetallicRoughness;
         take(&of, "metallicRoughnessTexture", slot, "")?;
     }
     take(at, "occlusionTexture", Slot::Occlusion, "strength")?;
-    // Not drawn, but a reference that leads nowhere is a fault of the file all the same.
-    read_slot(at, "emissiveTexture", Slot::BaseColor, "", textures)?;
-    Ok(agree_on_uvs(material, slots))
+    material.unlit = at.extension("KHR_materials_unlit")?.is_some();
+    let strength = match at.extension("KHR_materials_emissive_strength")? {
+        Some(of) => {
+            let given = of.number("emissiveStrength")?.unwrap_or(1.0);
+            within(&of, "emissiveStrength", given, 0.0, f64::INFINITY, odd)
+        }
+        None => 1.0,
+    };
+    let emission = at.numbers::<3>("emissiveFactor")?.unwrap_or([0.0; 3]);
+    material.emission = emission.map(|e| strength * within(at, "emissiveFactor", e, 0.0, 1.0, odd));
+    // Checked where it is not seen, too: a reference that leads nowhere is a fault of the file.
+    let glow = read_slot(at, "emissiveTexture", Slot::Emission, "", textures)?;
+    slots.extend(glow.filter(|_| material.emission != [0.0; 3]));
+    Ok(MaterialSource { odd: std::mem::take(odd), ..agree_on_uvs(material, slots) })
 }
 
 /// The scene has one set of UVs a vertex: the slots that read others are left out.
@@ -122,17 +140,27 @@ fn agree_on_uvs(material: Material, mut slots: Vec<SlotUse>) -> MaterialSource {
     let uvs = leader.map_or(Uvs::PLAIN, |s| s.uvs);
     let all = slots.len();
     slots.retain(|s| s.uvs == uvs);
-    MaterialSource { material, uvs, dropped: all - slots.len(), slots }
+    MaterialSource { material, uvs, dropped: all - slots.len(), slots, odd: Vec::new() }
 }
 
-fn set_color(material: &mut Material, color: Option<[f64; 4]>) {
-    if let Some(color) = color {
-        material.base_color = color.map(|c| unit(Some(c), 1.0));
+/// Four numbers of 0..1, 1 where absent.
+fn color(of: &At, key: &str, odd: &mut Vec<String>) -> Result<[f32; 4], Fault> {
+    let given = of.numbers::<4>(key)?.unwrap_or([1.0; 4]);
+    Ok(given.map(|c| within(of, key, c, 0.0, 1.0, odd)))
+}
+
+/// A number of 0..1.
+fn unit(of: &At, key: &str, default: f64, odd: &mut Vec<String>) -> Result<f32, Fault> {
+    Ok(within(of, key, of.number(key)?.unwrap_or(default), 0.0, 1.0, odd))
+}
+
+/// A value brought into its range, which is said where it was outside.
+pub(super) fn within(of: &At, key: &str, value: f64, least: f64, most: f64, odd: &mut Vec<String>) -> f32 {
+    let taken = value.clamp(least, most).min(f64::from(f32::MAX));
+    if taken != value {
+        odd.push(format!("{}: {value} makes no sense; {taken} is taken", of.place(key)));
     }
-}
-
-fn unit(value: Option<f64>, default: f32) -> f32 {
-    value.map_or(default, |v| (v as f32).clamp(0.0, 1.0))
+    taken as f32
 }
 
 fn read_slot(of: &At, key: &str, slot: Slot, factor: &str, textures: usize) -> Result<Option<SlotUse>, Fault> {

@@ -24,6 +24,7 @@ pub(super) struct PrimitiveSource {
     tangent: Option<usize>,
     /// Accessors of TEXCOORD_0, TEXCOORD_1, ...
     uv_sets: Vec<usize>,
+    color: Option<usize>,
     /// Accessors of JOINTS_n and WEIGHTS_n, n from 0.
     pub joints: Vec<[usize; 2]>,
     pub targets: Vec<Target>,
@@ -45,7 +46,6 @@ pub(super) struct MeshSource {
     pub thin: usize,
     /// Primitives without positions.
     pub placeless: usize,
-    pub colored: bool,
     /// Weights of the morph targets where no node says otherwise.
     pub weights: Vec<f64>,
 }
@@ -93,6 +93,7 @@ fn read_primitive(at: &At, accessors: &[Accessor], materials: usize, mesh: &mut 
         let width: &[usize] = match name {
             "POSITION" | "NORMAL" => &[3],
             "TANGENT" => &[4],
+            "COLOR_0" => &[3, 4],
             _ if name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_") => &[4],
             _ if name.starts_with("TEXCOORD_") => &[2],
             _ => continue,
@@ -124,7 +125,6 @@ fn read_primitive(at: &At, accessors: &[Accessor], materials: usize, mesh: &mut 
     while let Some(set) = attribute(&format!("TEXCOORD_{}", uv_sets.len()))? {
         uv_sets.push(set);
     }
-    mesh.colored |= attribute("COLOR_0")?.is_some();
     let mut joints = Vec::new();
     while let (Some(joint), Some(weight)) =
         (attribute(&format!("JOINTS_{}", joints.len()))?, attribute(&format!("WEIGHTS_{}", joints.len()))?)
@@ -140,6 +140,7 @@ fn read_primitive(at: &At, accessors: &[Accessor], materials: usize, mesh: &mut 
         normal: attribute("NORMAL")?,
         tangent: attribute("TANGENT")?,
         uv_sets,
+        color: attribute("COLOR_0")?,
         joints,
         targets,
         indices,
@@ -216,7 +217,7 @@ pub(super) fn read_geometry(
         Mode::Fan => (2..corners).map(|t| [vertex(t - 1), vertex(t), vertex(0)]).collect(),
     };
     let kept = compact.kept;
-    budget.take(&source.path, kept.len(), 48)?;
+    budget.take(&source.path, kept.len(), if source.color.is_some() { 64 } else { 48 })?;
     let uvs = wanted.uvs.and_then(|uvs| {
         let set = &accessors[*source.uv_sets.get(uvs.set)?];
         let read = |&v: &usize| {
@@ -238,6 +239,7 @@ pub(super) fn read_geometry(
             .filter(|_| wanted.tangents && plain)
             .map(|a| kept.iter().map(|&v| accessors[a].floats(v)).collect()),
         uvs,
+        colors: source.color.map(|a| kept.iter().map(|&v| color(&accessors[a], v)).collect()),
         triangles,
         remainder: match source.mode {
             Mode::List => corners % 3,
@@ -247,6 +249,13 @@ pub(super) fn read_geometry(
         needs_uvs: wanted.textured,
     };
     Ok(Geometry { local, kept })
+}
+
+/// A vertex's colour, linear; without an alpha of its own it covers.
+fn color(accessor: &Accessor, vertex: usize) -> [f32; 4] {
+    let [r, g, b, a] = accessor.floats::<4>(vertex);
+    let a = if accessor.width == 3 { 1.0 } else { a };
+    [r, g, b, a].map(|x| if x.is_finite() { x.max(0.0) } else { 1.0 })
 }
 
 /// Renumbers vertices in the order of their first use.

@@ -14,6 +14,7 @@ mod lights;
 mod materials;
 mod meshes;
 mod nodes;
+mod scattering;
 
 use std::path::Path;
 
@@ -37,7 +38,7 @@ const READ_FLOOR: u64 = 256 << 20;
 /// The same for the flattened scene, in which a mesh stands once for each node that uses it.
 const FLAT_FLOOR: u64 = 1 << 30;
 /// Bytes of a baked vertex, and of a triangle while it is checked.
-const VERTEX_BYTES: usize = 60;
+const VERTEX_BYTES: usize = 76;
 const TRIANGLE_BYTES: usize = 24;
 
 /// Reads a file; `mm_per_unit`, which is the one of `options`, is positive and finite.
@@ -89,7 +90,7 @@ fn read(bytes: &[u8], settings: &Settings) -> Result<Scene, Fault> {
     let views = accessor::read_views(&root, &buffers)?;
     let accessors = accessor::read_accessors(&root, &views)?;
     let textures = images::read_textures(&root)?;
-    let materials = materials::read_materials(&root, textures.len())?;
+    let materials = materials::read_materials(&root, textures.len(), settings.mm_per_unit)?;
     let meshes = meshes::read_meshes(&root, &accessors, materials.len())?;
     let lights = lights::read_lights(&root)?;
     let cameras = lights::read_cameras(&root)?;
@@ -186,7 +187,6 @@ fn passed_over(meshes: &[MeshSource], nodes: &[Node], placed: &[(usize, DAffine3
     let kinds = [
         (drawn_meshes().map(|m| m.thin).sum(), "primitives of points or lines left out"),
         (drawn_meshes().map(|m| m.placeless).sum(), "primitives without positions left out"),
-        (drawn_meshes().filter(|m| m.colored).count(), "meshes with vertex colours, which are ignored"),
         (with_mesh().filter(|n| n.instanced).count(), "instanced nodes drawn once"),
     ];
     let said = kinds.into_iter().filter(|&(count, _)| count > 0);

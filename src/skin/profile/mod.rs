@@ -24,9 +24,11 @@
 
 mod file;
 mod fit;
+mod volume;
 
 pub use file::ProfileError;
 pub use fit::{Fit, MAX_LEVELS};
+pub use volume::single_albedo;
 
 use std::f64::consts::{PI, TAU};
 
