@@ -230,7 +230,27 @@ fn scattering_is_read_however_it_is_spelt() {
     }
 }
 
-/// Factors, colours of vertices and the alike: as they stand, or said and brought into their range.
+/// A texture of light that cannot be read leaves no light: its factor, mostly white, would glow all over.
+#[test]
+fn emission_without_its_texture_is_dark() {
+    let made = Fixture::new();
+    std::fs::write(made.0.path().join("a.png"), png(1, 1)).unwrap();
+    let mut document = textured();
+    document["materials"][0]["emissiveFactor"] = json!([1, 1, 1]);
+    let mut load = |set: u32| {
+        document["materials"][0]["emissiveTexture"] = json!({"index": 0, "texCoord": set});
+        made.load(&document).unwrap()
+    };
+    let glowing = load(0);
+    assert!(glowing.materials[0].emission == [1.; 3] && glowing.materials[0].emission_texture.is_some());
+    let dark = load(1);
+    assert!(dark.materials[0].emission == [0.; 3] && dark.materials[0].emission_texture.is_none());
+    assert!(dark.warnings.iter().any(|w| w.starts_with("1 textures left out that read other UVs")));
+    std::fs::write(made.0.path().join("a.png"), b"\xABKTX 20\xBB\r\n\x1a\n").unwrap();
+    assert_eq!(load(0).materials[0].emission, [0.; 3]);
+}
+
+/// Factors, colours of vertices and the like: as they stand, or said and brought into their range.
 #[test]
 fn emission_unlit_and_colours_of_vertices_are_read() {
     let mut document = square();

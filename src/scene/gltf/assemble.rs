@@ -91,6 +91,10 @@ impl Wardrobe {
         for slot in source.slots {
             let texture = &textures[slot.texture];
             let Some(Some(Ok(image))) = texture.image.map(|image| &decoded[image]) else {
+                // Its factor is white where the texture is to be seen.
+                if slot.slot == Slot::Emission {
+                    material.emission = [0.0; 3];
+                }
                 continue;
             };
             let key = (slot.texture, matches!(slot.slot, Slot::BaseColor | Slot::Emission));

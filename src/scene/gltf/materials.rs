@@ -135,10 +135,14 @@ fn read_material(at: &At, index: usize, textures: usize, mm_per_unit: f64) -> Re
 }
 
 /// The scene has one set of UVs a vertex: the slots that read others are left out.
-fn agree_on_uvs(material: Material, mut slots: Vec<SlotUse>) -> MaterialSource {
+fn agree_on_uvs(mut material: Material, mut slots: Vec<SlotUse>) -> MaterialSource {
     let leader = slots.iter().min_by_key(|s| s.slot as usize);
     let uvs = leader.map_or(Uvs::PLAIN, |s| s.uvs);
     let all = slots.len();
+    if slots.iter().any(|s| s.slot == Slot::Emission && s.uvs != uvs) {
+        // The factor alone would glow all over.
+        material.emission = [0.0; 3];
+    }
     slots.retain(|s| s.uvs == uvs);
     MaterialSource { material, uvs, dropped: all - slots.len(), slots, odd: Vec::new() }
 }
