@@ -100,3 +100,15 @@ pub fn add_attribute(document: &mut Value, name: &str, kind: &str, floats: &[f32
     let accessor = push(&mut document["accessors"], accessor);
     document["meshes"][0]["primitives"][0]["attributes"][name] = json!(accessor);
 }
+
+/// Adds bytes as an accessor in a buffer of its own; returns its index.
+pub fn add_bytes(document: &mut Value, kind: &str, component: u32, count: usize, bytes: &[u8]) -> usize {
+    let push = |list: &mut Value, item: Value| {
+        list.as_array_mut().unwrap().push(item);
+        list.as_array().unwrap().len() - 1
+    };
+    let buffer = push(&mut document["buffers"], json!({"byteLength": bytes.len(), "uri": base64(bytes)}));
+    let view = push(&mut document["bufferViews"], json!({"buffer": buffer, "byteLength": bytes.len()}));
+    let accessor = json!({"bufferView": view, "componentType": component, "type": kind, "count": count});
+    push(&mut document["accessors"], accessor)
+}

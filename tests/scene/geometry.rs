@@ -5,7 +5,7 @@ use pdss::scene::LoadOptions;
 use serde_json::{Value, json};
 
 use crate::check::assert_sound;
-use crate::fixture::{Fixture, SQUARE, add_attribute, area, base64, bytes_of, square};
+use crate::fixture::{Fixture, SQUARE, add_attribute, add_bytes, area, base64, bytes_of, square};
 
 #[test]
 fn a_square_becomes_millimetres_around_its_middle() {
@@ -184,4 +184,62 @@ fn buffers_beside_the_file_may_have_spaces() {
     }
     document["buffers"][0]["uri"] = json!("my%2");
     assert!(made.refusal(&document).contains("without two hex digits"));
+}
+
+#[test]
+fn indices_of_every_width_make_the_same_triangles() {
+    let made = Fixture::new();
+    let plain = made.load(&square()).unwrap();
+    let indices = [0u32, 1, 2, 2, 1, 3];
+    let wide: [(u32, Vec<u8>); 2] = [
+        (5123, indices.iter().flat_map(|i| (*i as u16).to_le_bytes()).collect()),
+        (5125, indices.iter().flat_map(|i| i.to_le_bytes()).collect()),
+    ];
+    for (component, bytes) in wide {
+        let mut document = square();
+        let index = add_bytes(&mut document, "SCALAR", component, 6, &bytes);
+        document["meshes"][0]["primitives"][0]["indices"] = json!(index);
+        let scene = made.load(&document).unwrap();
+        assert_eq!((&scene.indices, &scene.positions), (&plain.indices, &plain.positions), "{component}");
+    }
+    let mut signed = square();
+    let index = add_bytes(&mut signed, "SCALAR", 5122, 6, &[0; 12]);
+    signed["meshes"][0]["primitives"][0]["indices"] = json!(index);
+    assert!(made.refusal(&signed).contains("indices must be unsigned integers"));
+}
+
+#[test]
+fn sparse_elements_replace_and_quantised_ones_are_scaled() {
+    let made = Fixture::new();
+    let world = |scene: &pdss::scene::Scene| {
+        let place = |p: &[f32; 3]| (Vec3::from(*p).as_dvec3() + scene.origin) / 1000.0;
+        scene.positions.iter().map(place).collect::<Vec<_>>()
+    };
+    let mut sparse = square();
+    let targets = add_bytes(&mut sparse, "SCALAR", 5121, 1, &[3]);
+    let values = add_bytes(&mut sparse, "VEC3", 5126, 1, &bytes_of(&[1.0, 1.0, 0.5]));
+    let view = |document: &Value, accessor: usize| document["accessors"][accessor]["bufferView"].clone();
+    sparse["accessors"][0]["sparse"] = json!({
+        "count": 1,
+        "indices": {"bufferView": view(&sparse, targets), "componentType": 5121},
+        "values": {"bufferView": view(&sparse, values)},
+    });
+    let found = world(&made.load(&sparse).unwrap());
+    let expected = SQUARE.chunks(3).map(|p| Vec3::from_slice(p).as_dvec3());
+    let expected: Vec<_> = expected.map(|p| if p.x + p.y > 1.5 { p.with_z(0.5) } else { p }).collect();
+    assert!(found.iter().zip(&expected).all(|(a, b)| (*a - *b).length() < 1e-6), "{found:?}");
+
+    // 16 bits, normalised, padded to 8 bytes an element: the least one counts as -1.
+    let corners = [[-32768i16, -32767, 0], [32767, -32767, 0], [-32767, 32767, 0], [32767, 32767, 16384]];
+    let bytes: Vec<u8> = corners.iter().flat_map(|c| [c[0], c[1], c[2], 0]).flat_map(i16::to_le_bytes).collect();
+    let mut quantised = square();
+    let position = add_bytes(&mut quantised, "VEC3", 5122, 4, &bytes);
+    let index = view(&quantised, position).as_u64().unwrap() as usize;
+    quantised["bufferViews"][index]["byteStride"] = json!(8);
+    quantised["accessors"][position]["normalized"] = json!(true);
+    quantised["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+    quantised["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(position);
+    let expected = corners.map(|c| DVec3::from(c.map(|x| (f64::from(x) / 32767.0).max(-1.0))));
+    let found = world(&made.load(&quantised).unwrap());
+    assert!(found.iter().zip(&expected).all(|(a, b)| (*a - *b).length() < 1e-6), "{found:?}");
 }

@@ -5,24 +5,11 @@ use pdss::scene::{LoadOptions, Pose, Scene, vertex_curvature};
 use serde_json::{Value, json};
 
 use crate::check::assert_sound;
-use crate::fixture::{Fixture, SQUARE, add_attribute, base64, bytes_of, square};
+use crate::fixture::{Fixture, SQUARE, add_attribute, add_bytes, bytes_of, square};
 
 /// Adds an accessor of floats and returns its index.
 fn add(document: &mut Value, kind: &str, count: usize, floats: &[f32]) -> usize {
     add_bytes(document, kind, 5126, count, &bytes_of(floats))
-}
-
-fn add_bytes(document: &mut Value, kind: &str, component: u32, count: usize, bytes: &[u8]) -> usize {
-    let push = |list: &mut Value, item: Value| {
-        list.as_array_mut().unwrap().push(item);
-        list.as_array().unwrap().len() - 1
-    };
-    let buffer = push(&mut document["buffers"], json!({"byteLength": bytes.len(), "uri": base64(bytes)}));
-    let view = push(&mut document["bufferViews"], json!({"buffer": buffer, "byteLength": bytes.len()}));
-    push(
-        &mut document["accessors"],
-        json!({"bufferView": view, "componentType": component, "type": kind, "count": count}),
-    )
 }
 
 /// Adds animation 0: one channel of node 0.

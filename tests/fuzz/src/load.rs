@@ -1,7 +1,7 @@
 //! Coverage-guided fuzzing of the glTF loader: whatever the bytes, a scene that is sound or one line; no panic, no hang, no
 //! more memory than 16 times the file and 256 MiB. `tests/fuzz/run SECONDS` builds and runs it.
 #![no_main]
-#![allow(dead_code)]
+#![allow(dead_code, unused_imports)]
 
 extern crate self as pdss;
 
