@@ -1,6 +1,6 @@
-// translucent: viewz, normal, mass, shadow, and light blurred on the screen (with DETAIL by the triangles' normals, too) -> target (gathered, of one level).
+// translucent: viewz, normal, mass, shadow, and light blurred on the screen (with DETAIL by the triangles' normals, too) -> in its place, of one level:
 // variants: plain DETAIL=0; detail DETAIL=1
-// What a Gaussian of the profile gathers of the light that enters the
+// what a Gaussian of the profile gathers of the light that enters the
 // surface, hidden parts included, of up to two directional lights (those with a slot), over the kernel's mass.
 //
 // In a directional light's view every texel carries the same flux, n.l dA = the texel's area. So the integral of G_v E dA is
@@ -27,8 +27,8 @@ layout(push_constant, scalar) uniform Push {
 
 layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
 layout(set = 0, binding = 6, r32ui) uniform readonly uimage2D normal;  // the triangle's own where DETAIL
-layout(set = 0, binding = 3, r32ui) uniform writeonly uimage2D target;
-layout(set = 0, binding = 4, r32ui) uniform readonly uimage2D blurred;
+// Nobody else wants the blurred light any more: what is found takes its place.
+layout(set = 0, binding = 4, r32ui) uniform uimage2D blurred;
 layout(set = 0, binding = 8, rg32ui) uniform readonly uimage2D soft;
 layout(set = 0, binding = 7, rgb10_a2) uniform readonly image2D mass;
 #if DETAIL
@@ -98,5 +98,5 @@ void main() {
 #if DETAIL
     found += seen - unpackUnorm2x16(imageLoad(blurred_geo, texel).x);
 #endif
-    imageStore(target, texel, uvec4(packUnorm2x16(mix(seen, found, shares))));
+    imageStore(blurred, texel, uvec4(packUnorm2x16(mix(seen, found, shares))));
 }

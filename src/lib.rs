@@ -9,13 +9,13 @@
 //! does not need is not there, and [`plan::Plan::left_out`] says why.
 //!
 //! ```text
-//! clear       -                                        -> ldr or exr
 //! shadow      meshes                                   -> shadow                 one layer a light, six a point light
 //! gbuffer     meshes                                   -> viewz normal albedo material (bumped)
 //! tiles       viewz                                    -> lists of 8 x 8 tiles to visit
 //! visibility  viewz normal shadow                      -> lit                    cosine times visibility
 //! curvature   viewz normal                             -> curvature              H, K, confidence
 //! blur        viewz normal curvature lit               -> soft0.. softlit0..     one level after the other, wider each time
+//! clear       -                                        -> ldr or exr
 //! light       G-buffer, soft, softlit, table, shadow   -> ldr or exr             the table is what is pre-integrated
 //! ```
 //!
@@ -62,6 +62,7 @@
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod cache;
 pub mod compare;
 pub mod frame;
 pub mod gpu;

@@ -164,6 +164,24 @@ pub enum ToneMap {
     Linear,
 }
 
+/// What can be run for nothing where a scene does not need it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Spared {
+    /// All of these.
+    All,
+    /// Tiles of 8 x 8 pixels that hold no surface, or none that scatters.
+    Tiles,
+    /// Curvature that neither the method nor ambient occlusion reads.
+    Curvature,
+    /// Ambient light of nothing.
+    Ambient,
+    /// Texture coordinates that no texture is looked up by.
+    TextureCoordinates,
+    /// Distance and cone of lights that are all directional.
+    Places,
+}
+
 /// What the picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -256,9 +274,9 @@ pub struct Settings {
     /// Gather no light from the shadow map: `moments` blurs all of it on the screen.
     #[arg(long)]
     pub no_translucent: bool,
-    /// Leave nothing out that a scene does not need: empty tiles, curvature, ambient light, texture coordinates, point lights.
-    #[arg(long)]
-    pub no_elide: bool,
+    /// Bring back what the scene does not need, by name or all of it: the picture has the same bits, and takes longer.
+    #[arg(long, value_name = "NAME", value_enum, value_delimiter = ',', num_args = 0.., require_equals = true, default_missing_value = "all")]
+    pub no_elide: Vec<Spared>,
     /// Picture size in pixels.
     #[arg(long, default_value = "1650x1080", value_parser = parse_size, value_name = "WxH")]
     pub size: Size,
@@ -282,6 +300,13 @@ pub struct Ambient {
     pub down: [f32; 3],
 }
 
+impl Settings {
+    /// Whether this runs although the scene may not need it.
+    pub fn brings_back(&self, what: Spared) -> bool {
+        self.no_elide.iter().any(|x| *x == what || *x == Spared::All)
+    }
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Settings {
@@ -303,7 +328,7 @@ impl Default for Settings {
             no_shadows: false,
             no_ao: false,
             no_translucent: false,
-            no_elide: false,
+            no_elide: Vec::new(),
             size: Size { width: 1650, height: 1080 },
         }
     }

@@ -77,4 +77,11 @@ pub struct Shader {
     pub blocks: &'static [Block],
 }
 
+/// A module is the one of its name.
+impl PartialEq for Shader {
+    fn eq(&self, other: &Shader) -> bool {
+        self.name == other.name
+    }
+}
+
 include!(concat!(env!("OUT_DIR"), "/shaders.rs"));

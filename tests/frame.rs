@@ -11,7 +11,7 @@ use pdss::frame::{FrameError, Output, Renderer};
 use pdss::gpu::{Buffer, Gpu, GpuError, Options};
 use pdss::scene::{Camera, Light, LightKind, LoadOptions, Scene};
 use pdss::settings::{
-    Curvature, Integral, Kernels, Method, Quality, Resolution, SeparableKernel, Settings, Texturing, ToneMap,
+    Curvature, Integral, Kernels, Method, Quality, Resolution, SeparableKernel, Settings, Spared, Texturing, ToneMap,
     Transmittance, View,
 };
 use std::collections::BTreeMap;
@@ -170,7 +170,7 @@ fn combinations() -> BTreeMap<String, Set> {
         bare.profile = None;
         add("no profile".into(), bare);
         let mut all_of_it = torus(method, View::Final, "two");
-        all_of_it.settings.no_elide = true;
+        all_of_it.settings.no_elide = vec![Spared::All];
         add("nothing left out".into(), all_of_it);
     }
     for method in [Method::Pdss, Method::Moments] {
@@ -212,7 +212,7 @@ fn head() -> Option<Vec<(String, Set)>> {
     let camera = Camera::default_for(&scene, 30., f64::from(SIZE[0]) / f64::from(SIZE[1]));
     let scene = Arc::new(scene);
     let set = |method, view| {
-        let settings = Settings { no_elide: false, ..studio::settings(method, view, SIZE) };
+        let settings = Settings { no_elide: Vec::new(), ..studio::settings(method, view, SIZE) };
         let (scene, camera, profile) = (scene.clone(), camera.clone(), Some(studio::wax()));
         Set { scene, camera, lights: lights("two"), profile, settings, output: Output::Linear }
     };

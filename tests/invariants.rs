@@ -10,6 +10,8 @@ mod edges;
 mod energy;
 #[path = "invariants/same_bits.rs"]
 mod same_bits;
+#[path = "invariants/spared.rs"]
+mod spared;
 #[path = "invariants/symmetry.rs"]
 mod symmetry;
 
@@ -30,7 +32,10 @@ type Check = fn(&Arc<Gpu>) -> Vec<Outcome>;
 const CHECKS: &[(&str, Check)] = &[
     ("radius 0 is lambert, to the bit", same_bits::radius_zero),
     ("no profile is lambert, to the bit", same_bits::no_profile),
-    ("leaving out changes no bit", same_bits::left_out),
+    ("leaving out changes no bit", spared::left_out),
+    ("what scatters nowhere is a plain deferred frame", spared::plain),
+    ("another view records nothing again", spared::looks),
+    ("a frame run again is a submit", spared::submits),
     ("what memory held changes no bit", same_bits::unwritten),
     ("a mirrored scene gives a mirrored picture", symmetry::mirror),
     ("size does not matter", symmetry::scale),

@@ -4,6 +4,7 @@ use super::failure::Failure;
 use super::say;
 use clap::Args;
 use glam::DVec3;
+use pdss::cache::Cache;
 use pdss::frame::{Inputs, Output};
 use pdss::gpu::timing::TimingMode;
 use pdss::gpu::{Gpu, GpuError, Options};
@@ -96,6 +97,9 @@ pub struct Device {
     /// Core and synchronization validation: any message is a failure.
     #[arg(long)]
     pub(super) validate: bool,
+    /// Neither read nor keep what is dear to make (pipelines, the kernel's mass of a mesh) in the user's cache.
+    #[arg(long)]
+    no_cache: bool,
 }
 
 /// Everything a frame is made of, loaded.
@@ -295,7 +299,8 @@ impl Device {
 
     /// Opens the device.
     pub fn open(&self) -> Result<Arc<Gpu>, Failure> {
-        Ok(Gpu::open(&Options { validate: self.validate, device: self.device.clone() })?)
+        let cache = if self.no_cache { None } else { Cache::of_user() };
+        Ok(Gpu::open_with(&Options { validate: self.validate, device: self.device.clone() }, cache)?)
     }
 
     /// Opens it with validation, asked for or not.

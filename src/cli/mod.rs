@@ -15,6 +15,7 @@ mod render;
 mod stress;
 mod truth;
 mod vectors;
+mod watch;
 
 use clap::{Parser, Subcommand};
 use failure::Failure;

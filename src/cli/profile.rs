@@ -1,5 +1,6 @@
 //! `pdss profile`: how long every stage of a frame takes.
 
+use super::args::parse_positive;
 use super::args::{self, Stage, View};
 use super::failure::Failure;
 use super::progress::Progress;
@@ -10,8 +11,10 @@ use pdss::gpu::Gpu;
 use pdss::gpu::timing::TimingMode;
 use pdss::report::measure::{self, Warmup};
 use pdss::report::record::{Record, Subject};
+use pdss::report::versus::Versus;
 use pdss::report::{table, trace};
 use pdss::settings::{self, Method};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Options of `pdss profile`.
@@ -31,6 +34,13 @@ pub struct Profile {
     /// A table for people; JSON and CSV for programs; a trace of the median frame for ui.perfetto.dev.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+    /// Run nothing: hold two JSON records of one device and one setting against each other. Exit code 1 where something has
+    /// become slower by more than the threshold and three times the noise.
+    #[arg(long, num_args = 2, value_names = ["OLD", "NEW"])]
+    compare: Option<Vec<PathBuf>>,
+    /// Part of the older time by which the newer may exceed it.
+    #[arg(long, value_name = "PART", default_value_t = 0.05, value_parser = parse_positive, requires = "compare")]
+    threshold: f64,
 }
 
 /// How a record is written.
@@ -50,6 +60,9 @@ enum Format {
 impl Profile {
     /// Measures, and prints the record.
     pub fn run(&self) -> Result<(), Failure> {
+        if let Some([old, new]) = self.compare.as_deref() {
+            return self.versus(old, new);
+        }
         let stage = self.view.load()?;
         let gpu = self.view.open()?;
         let record = self.measure(&gpu, &stage)?;
@@ -60,6 +73,20 @@ impl Profile {
             Format::Trace => print_json(&trace::of_record(&record))?,
         }
         args::close(gpu)
+    }
+
+    fn versus(&self, old: &Path, new: &Path) -> Result<(), Failure> {
+        let read = |path: &Path| -> Result<serde_json::Value, Failure> {
+            let wrong = |why: String| Failure::Input(format!("{}: {why}", path.display()));
+            let text = std::fs::read(path).map_err(|e| wrong(e.to_string()))?;
+            serde_json::from_slice(&text).map_err(|e| wrong(format!("not a record of pdss profile --format json: {e}")))
+        };
+        let versus = Versus::of(&read(old)?, &read(new)?, self.threshold).map_err(Failure::Input)?;
+        print(&versus.to_string())?;
+        match versus.slower().as_slice() {
+            [] => Ok(()),
+            names => Err(Failure::Run(format!("slower: {}", names.join(", ")))),
+        }
     }
 
     fn measure(&self, gpu: &Arc<Gpu>, stage: &Stage) -> Result<Record, Failure> {
@@ -92,7 +119,7 @@ fn covered(gpu: &Arc<Gpu>, stage: &Stage) -> Result<u64, FrameError> {
     inputs.settings.method = Method::Lambert;
     inputs.settings.view = settings::View::Albedo;
     inputs.settings.no_shadows = true;
-    inputs.settings.no_elide = false;
+    inputs.settings.no_elide.clear();
     let mut renderer = Renderer::new(gpu, inputs)?;
     renderer.run()?;
     Ok(renderer.linear()?.iter().filter(|p| p[3] > 0.).count() as u64)

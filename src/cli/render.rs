@@ -2,6 +2,7 @@
 
 use super::args::{self, Stage, View, parse_positive};
 use super::failure::Failure;
+use super::watch::Watch;
 use super::{calibrate, contact_sheet, say};
 use clap::{Args, ValueEnum};
 use pdss::compare::calibration::Wish;
@@ -85,19 +86,24 @@ impl Render {
                 [self.view.scene()].into_iter().chain(self.more.iter().map(String::as_str)).collect();
             return contact_sheet::draw(&self.view, &scenes, self.cell, self.supersample, &self.output);
         }
+        let mut watch = Watch::default();
         let (first, repeat) = match self.frames {
             Frames::Still(count) => (self.view.load()?, count),
             Frames::Sequence(first, _) => (self.at(first).load()?, 1),
         };
+        watch.lap("scene");
         let gpu = self.view.open()?;
+        watch.lap("device");
         match self.frames {
-            Frames::Still(_) => self.draw(&gpu, first, format, repeat, &self.output)?,
+            Frames::Still(_) => self.draw(&gpu, first, format, repeat, &self.output, watch)?,
             Frames::Sequence(start, end) => {
                 // What is odd about the file is said once.
-                self.draw(&gpu, first, format, repeat, &self.numbered(start))?;
+                self.draw(&gpu, first, format, repeat, &self.numbered(start), watch)?;
                 for frame in start + 1..=end {
+                    let mut watch = Watch::default();
                     let stage = self.at(frame).load_silently()?;
-                    self.draw(&gpu, stage, format, repeat, &self.numbered(frame))?;
+                    watch.lap("scene");
+                    self.draw(&gpu, stage, format, repeat, &self.numbered(frame), watch)?;
                 }
             }
         }
@@ -115,7 +121,15 @@ impl Render {
         self.output.with_extension(format!("{frame:04}.{extension}"))
     }
 
-    fn draw(&self, gpu: &Arc<Gpu>, mut stage: Stage, format: Format, repeat: u32, path: &Path) -> Result<(), Failure> {
+    fn draw(
+        &self,
+        gpu: &Arc<Gpu>,
+        mut stage: Stage,
+        format: Format,
+        repeat: u32,
+        path: &Path,
+        mut watch: Watch,
+    ) -> Result<(), Failure> {
         let size = stage.size();
         let wish = Wish { budget_ms: self.budget_ms, max_error: self.max_error };
         if wish != Wish::default() {
@@ -129,9 +143,19 @@ impl Render {
         let samples = if stage.lit() && format == Format::Png { self.supersample.min(most).max(1) } else { 1 };
         stage.settings.size = Size { width: size[0] * samples, height: size[1] * samples };
         let mut renderer = Renderer::new(gpu, stage.inputs(None, output))?;
-        for _ in 0..repeat {
+        let cpu = renderer.cpu_times();
+        watch.known([
+            ("plan", cpu.plan_ms),
+            ("upload", cpu.upload_ms),
+            ("pipelines", cpu.pipelines_ms),
+            ("record", cpu.record_ms),
+        ]);
+        renderer.run()?;
+        watch.lap("first frame");
+        for _ in 1..repeat {
             renderer.run()?;
         }
+        watch.start();
         match (format, renderer.output()) {
             (Format::Png, Output::Ldr) => {
                 picture::write_png(path, size, &supersample::average(&renderer.ldr()?, size, samples))?;
@@ -144,6 +168,8 @@ impl Render {
                 picture::write_png(path, size, &texels)?;
             }
         }
+        watch.lap("picture");
+        self.view.tell(&watch.words());
         Ok(())
     }
 }

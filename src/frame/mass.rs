@@ -1,6 +1,7 @@
 //! The kernel's mass at every vertex, as a vertex stream: what gathered light is divided by.
 
 use super::levels::Levels;
+use crate::cache::{Cache, hash};
 use crate::scene::{Draw, Scene};
 use crate::skin::mass::{beside_border, border_distance, mass};
 use glam::Vec3;
@@ -26,6 +27,37 @@ pub fn strays(scene: &Scene) -> bool {
         area += weight;
     }
     square > f64::from(STRAY * STRAY) * area
+}
+
+/// As [`of_vertices`], looked for in `cache` first and kept there.
+pub fn kept(cache: Option<&Cache>, scene: &Scene, levels: &Levels) -> Vec<[f32; 4]> {
+    let Some(cache) = cache else { return of_vertices(scene, levels) };
+    let key = key(scene, levels);
+    let found = cache.read("mass", key).filter(|b| b.len() == 16 * scene.positions.len());
+    found.map_or_else(
+        || {
+            let made = of_vertices(scene, levels);
+            cache.write("mass", key, bytemuck::cast_slice(&made));
+            made
+        },
+        |bytes| bytes.chunks_exact(16).map(bytemuck::pod_read_unaligned).collect(),
+    )
+}
+
+/// All that the mass depends on, the program that finds it included.
+fn key(scene: &Scene, levels: &Levels) -> u64 {
+    let program = std::env::current_exe().and_then(|exe| exe.metadata()).ok();
+    let built = program.and_then(|m| m.modified().ok()).and_then(|t| t.duration_since(std::time::UNIX_EPOCH).ok());
+    let mut facts: Vec<u64> = vec![built.map_or(0, |t| t.as_nanos() as u64)];
+    for d in scene.draws.iter().filter(|d| scene.materials.get(d.material).is_some_and(|m| m.scatter.is_some())) {
+        facts.extend([u64::from(d.first_index), u64::from(d.index_count)]);
+    }
+    for level in &levels.levels {
+        facts.extend([level.variance.to_bits(), u64::from(level.gathered)]);
+    }
+    let runs: [&[u8]; 3] =
+        [bytemuck::cast_slice(&facts), bytemuck::cast_slice(&scene.positions), bytemuck::cast_slice(&scene.indices)];
+    hash(&runs)
 }
 
 /// At each vertex: mass of the gathered levels, at most [`super::levels::MOST_GATHERED`], with what a border takes off divided

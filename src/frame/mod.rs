@@ -1,6 +1,7 @@
 //! A frame: planned, created and recorded once, submitted as often as one likes.
 
 pub mod brightness;
+mod constants;
 pub mod levels;
 mod mass;
 mod overlay;
@@ -93,6 +94,8 @@ pub struct CpuTimes {
     pub record_ms: f64,
     /// Submit to fence, last run.
     pub last_run_ms: f64,
+    /// The same without what the driver took, microseconds.
+    pub last_own_us: f64,
 }
 
 /// A frame, ready to run.
@@ -104,7 +107,8 @@ pub struct Renderer {
     buffers: BTreeMap<String, Buffer>,
     // Never read again, but the recorded commands use them: they live as long.
     _pipelines: Vec<Pipeline>,
-    _resources: Resources,
+    resources: Resources,
+    setup: Setup,
     size: [u32; 2],
     output: Output,
     times: CpuTimes,
@@ -178,9 +182,10 @@ impl Renderer {
             images,
             buffers,
             _pipelines: pipelines,
-            _resources: resources,
+            resources,
             size: setup.size,
             output: setup.output,
+            setup,
             times,
             gpu: gpu.clone(),
         })
@@ -205,9 +210,33 @@ impl Renderer {
     /// Where the device is lost.
     pub fn run(&mut self) -> Result<(), FrameError> {
         let start = Instant::now();
-        self.recorded.run()?;
-        self.times.last_run_ms = milliseconds(start);
+        let driver = self.recorded.run()?;
+        let all = start.elapsed();
+        self.times.last_run_ms = all.as_secs_f64() * 1e3;
+        self.times.last_own_us = all.saturating_sub(driver).as_secs_f64() * 1e6;
         Ok(())
+    }
+
+    /// Moves the eye or the lights, for the next [`Renderer::run`]: a write of some constants, nothing is recorded again. All
+    /// other inputs, the scene first of all, must be those that the frame was made from. False where the frame needs other
+    /// steps from there (blur levels that become a pixel wide, another kind or number of lights): then nothing has changed,
+    /// and a new frame must be made.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn look(&mut self, inputs: &Inputs<'_>) -> Result<bool, FrameError> {
+        let setup = Setup::after(Some(&self.setup), inputs)?;
+        let plan = methods::plan(&setup)?;
+        let same = self.setup.levels == setup.levels
+            && self.setup.kernel.len() == setup.kernel.len()
+            && (&self.setup.overlay.draws, &self.setup.overlay.indices)
+                == (&setup.overlay.draws, &setup.overlay.indices)
+            && self.plan.records_as(&plan);
+        if same {
+            self.resources.rewrite(inputs, &setup)?;
+            self.setup = setup;
+        }
+        Ok(same)
     }
 
     /// Nanoseconds per pass of the last run; none where a stamp was missing. Empty without timestamps.

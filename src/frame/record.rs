@@ -15,6 +15,7 @@ use crate::plan::{Domain, Geometry, Pass, Plan, Work};
 use crate::scene::{Alpha, Draw, Material};
 use ash::vk;
 use gpu_allocator::MemoryLocation;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -98,6 +99,9 @@ fn maps(m: &Material) -> Maps {
     ]
 }
 
+/// A pipeline to make: its pass, its constants, the faces that are not drawn.
+type Job<'a> = (&'a Pass, Vec<(&'static str, u32)>, vk::CullModeFlags);
+
 /// Makes the pipelines of a plan.
 ///
 /// # Errors
@@ -108,20 +112,16 @@ pub fn pipelines(
     draws: &[(Draw, &Material)],
     overlay: &[(Draw, &Material)],
 ) -> Result<(Vec<Pipeline>, Classes), FrameError> {
-    let mut list = Vec::new();
+    let mut jobs: Vec<Job<'_>> = Vec::new();
     let mut classes = Vec::new();
     for pass in &plan.passes {
         let mut map = BTreeMap::new();
         match &pass.work {
-            Work::Compute { shader, .. } => {
-                map.insert(None, list.len());
-                list.push(Pipeline::compute(gpu, &pass.name, shader, &pass.constants)?);
+            Work::Compute { .. } | Work::Raster { geometry: Geometry::Depth, .. } => {
+                map.insert(None, jobs.len());
+                jobs.push((pass, pass.constants.clone(), vk::CullModeFlags::NONE));
             }
-            Work::Raster { vertex, fragment, state, geometry: Geometry::Depth, .. } => {
-                map.insert(None, list.len());
-                list.push(Pipeline::graphics(gpu, &pass.name, vertex, *fragment, &pass.constants, state)?);
-            }
-            Work::Raster { vertex, fragment, state, geometry, .. } => {
+            Work::Raster { geometry, .. } => {
                 for (_, material) in drawn(*geometry, draws, overlay) {
                     let key = class(material, *geometry);
                     if map.contains_key(&Some(key)) {
@@ -135,16 +135,25 @@ pub fn pipelines(
                     constants.extend(kinds.map(|(name, is)| (name, u32::from(is))));
                     let both = double_sided || *geometry == Geometry::Unwrapped;
                     let cull = if both { vk::CullModeFlags::NONE } else { vk::CullModeFlags::BACK };
-                    let state = Raster { cull, ..state.clone() };
-                    map.insert(Some(key), list.len());
-                    list.push(Pipeline::graphics(gpu, &pass.name, vertex, *fragment, &constants, &state)?);
+                    map.insert(Some(key), jobs.len());
+                    jobs.push((pass, constants, cull));
                 }
             }
             Work::Update { .. } | Work::Clear { .. } => {}
         }
         classes.push(map);
     }
-    Ok((list, classes))
+    // Drivers compile here: as many at once as there are cores.
+    let make = |(pass, constants, cull): &Job<'_>| match &pass.work {
+        Work::Raster { vertex, fragment, state, .. } => {
+            let state = Raster { cull: *cull, ..state.clone() };
+            Pipeline::graphics(gpu, &pass.name, vertex, *fragment, constants, &state).map(Some)
+        }
+        Work::Compute { shader, .. } => Pipeline::compute(gpu, &pass.name, shader, constants).map(Some),
+        Work::Update { .. } | Work::Clear { .. } => Ok(None),
+    };
+    let made: Vec<Option<Pipeline>> = jobs.par_iter().map(make).collect::<Result<_, _>>()?;
+    Ok((made.into_iter().flatten().collect(), classes))
 }
 
 /// Records the frame.
@@ -312,5 +321,6 @@ pub fn read_buffer(gpu: &Arc<Gpu>, from: &Buffer, to: &Buffer) -> Result<(), Fra
     host.next(Usage::CopyTo, false);
     let after: Vec<_> = host.next(Usage::Host, false).map(|b| (Guarded::Buffer(to), b)).into_iter().collect();
     drop(recorder.pass("to host", &after));
-    Ok(recorder.finish()?.run()?)
+    recorder.finish()?.run()?;
+    Ok(())
 }

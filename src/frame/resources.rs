@@ -1,9 +1,8 @@
 //! What a frame reads and never writes: vertex streams, textures, tables, constants.
 
-use super::brightness::light_unit;
+use super::constants::Constants;
 use super::mass;
 use super::setup::Setup;
-use super::uniforms::{FrameBlock, LightBlock, MAX_LEVELS};
 use super::{FrameError, Inputs};
 use crate::gpu::commands::{Guarded, Recorder};
 use crate::gpu::pass::Bound;
@@ -58,6 +57,7 @@ pub struct Resources {
     shadow_world: Buffer,
     kernel: Option<Buffer>,
     gutter: Option<Buffer>,
+    lut_knee: f32,
 }
 
 /// A texture made ready on the CPU: all mips in one run of bytes.
@@ -94,7 +94,7 @@ impl Resources {
             streams.push(uploads.buffer("vertex colours", bytemuck::cast_slice(&scene.colors), vertex)?);
         }
         if s.mass {
-            let mass = mass::of_vertices(scene, &s.levels);
+            let mass = mass::kept(gpu.store(), scene, &s.levels);
             streams.push(uploads.buffer("mass", bytemuck::cast_slice(&mass), vertex)?);
         }
         if forward && preintegrated::effort(&s.settings).curvature == ForwardCurvature::Vertex {
@@ -154,20 +154,10 @@ impl Resources {
         let lut_image = lut_pixels.map(|p| uploads.image(p)).transpose()?;
         uploads.run()?;
 
-        let view = inputs.camera.view_from_world();
-        let world = inputs.camera.world_from_view();
-        let mut lights: LightBlock = bytemuck::Zeroable::zeroed();
-        for (entry, (i, light)) in lights.light.iter_mut().zip(inputs.lights.iter().enumerate()) {
-            *entry = s.shadows.entry(i, light, view);
-        }
-        for (matrix, m) in lights.shadow_from_view.iter_mut().zip(&s.shadows.matrices) {
-            *matrix = (*m * world).to_cols_array_2d();
-        }
-        let from_world: Vec<[[f32; 4]; 4]> = s.shadows.matrices.iter().map(|m| m.to_cols_array_2d()).collect();
-        let block = frame_block(inputs, s, lut.as_ref().map_or(1., |l| l.knee_per_mm as f32));
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
-        let rows: Vec<[f32; 4]> = s.kernel.iter().map(|row| row.map(|x| x as f32)).collect();
-        let kernel = (!rows.is_empty()).then(|| constants(gpu, "kernel", bytemuck::cast_slice(&rows), storage));
+        let lut_knee = lut.as_ref().map_or(1., |l| l.knee_per_mm as f32);
+        let Constants { frame, lights, shadow_world, kernel } = Constants::of(inputs, s, lut_knee);
+        let kernel = (!kernel.is_empty()).then(|| constants(gpu, "kernel", bytemuck::cast_slice(&kernel), storage));
         let clamp = [vk::SamplerAddressMode::CLAMP_TO_EDGE; 2];
         Ok(Resources {
             streams,
@@ -180,12 +170,28 @@ impl Resources {
             samplers,
             linear: Sampler::new(gpu, "linear sampler", vk::Filter::LINEAR, clamp, false)?,
             nearest: Sampler::new(gpu, "nearest sampler", vk::Filter::NEAREST, clamp, false)?,
-            frame: constants(gpu, "frame", bytemuck::bytes_of(&block), vk::BufferUsageFlags::UNIFORM_BUFFER)?,
+            frame: constants(gpu, "frame", bytemuck::bytes_of(&frame), vk::BufferUsageFlags::UNIFORM_BUFFER)?,
             lights: constants(gpu, "lights", bytemuck::bytes_of(&lights), vk::BufferUsageFlags::UNIFORM_BUFFER)?,
-            shadow_world: constants(gpu, "shadow_world", bytemuck::cast_slice(&from_world), storage)?,
+            shadow_world: constants(gpu, "shadow_world", bytemuck::cast_slice(&shadow_world), storage)?,
             kernel: kernel.transpose()?,
             gutter,
+            lut_knee,
         })
+    }
+
+    /// Writes the constants of another eye or other lights over those of the last frame, which has been waited for.
+    ///
+    /// # Errors
+    /// Where a buffer is not the host's to write.
+    pub fn rewrite(&mut self, inputs: &Inputs<'_>, s: &Setup) -> Result<(), FrameError> {
+        let Constants { frame, lights, shadow_world, kernel } = Constants::of(inputs, s, self.lut_knee);
+        self.frame.write(bytemuck::bytes_of(&frame))?;
+        self.lights.write(bytemuck::bytes_of(&lights))?;
+        self.shadow_world.write(bytemuck::cast_slice(&shadow_world))?;
+        if let Some(buffer) = &mut self.kernel {
+            buffer.write(bytemuck::cast_slice(&kernel))?;
+        }
+        Ok(())
     }
 
     /// The resource behind a name; `material` decides the texture maps.
@@ -225,42 +231,6 @@ fn constants(gpu: &Arc<Gpu>, name: &str, bytes: &[u8], usage: vk::BufferUsageFla
     let mut buffer = Buffer::new(gpu, name, bytes.len() as u64, usage, MemoryLocation::CpuToGpu)?;
     buffer.write(bytes)?;
     Ok(buffer)
-}
-
-fn frame_block(inputs: &Inputs<'_>, s: &Setup, lut_knee: f32) -> FrameBlock {
-    let camera = &inputs.camera;
-    let view = camera.view_from_world();
-    let aspect = s.size[0] as f32 / s.size[1] as f32;
-    let settings = &s.settings;
-    let (up, down) = (settings.ambient.up, settings.ambient.down);
-    let mut block: FrameBlock = bytemuck::Zeroable::zeroed();
-    block.clip_from_world = (camera.clip_from_view(aspect) * view).to_cols_array_2d();
-    block.view_from_world = view.to_cols_array_2d();
-    block.world_from_view = camera.world_from_view().to_cols_array_2d();
-    block.ray_scale = s.view.ray_scale.map(|x| x as f32);
-    block.ray_offset = s.view.ray_offset.map(|x| x as f32);
-    block.size = s.size.map(|x| x as i32);
-    block.perspective = s.view.perspective;
-    block.pixels_per_mm = s.view.pixels_per_mm as f32;
-    block.origin = inputs.scene.origin.as_vec3().to_array();
-    block.light_unit = light_unit(&inputs.lights, &settings.ambient, &inputs.scene.positions, &inputs.scene.bounds);
-    block.ambient_mean = std::array::from_fn(|c| (up[c] + down[c]) / 2.);
-    block.ambient_slope = std::array::from_fn(|c| (up[c] - down[c]) / 2.);
-    block.exposure = settings.exposure.exp2();
-    block.length_mm = s.levels.length_mm as f32;
-    block.up = view.transform_vector3(glam::Vec3::Y).to_array();
-    block.lut_knee = lut_knee;
-    let four = |v: [f64; 3], w: f64| [v[0] as f32, v[1] as f32, v[2] as f32, w as f32];
-    block.share[0] = four(s.levels.sharp, 0.);
-    block.sharp = four(s.levels.sharp, 0.);
-    for (i, level) in s.levels.levels.iter().enumerate().take(MAX_LEVELS) {
-        block.level[i] = four(level.weight, level.variance);
-        block.share[i + 1] = four(level.share, 0.);
-        // Curvature of a patch is known over a couple of sigma: that far it may occlude.
-        let radius = crate::skin::occlusion::RADIUS_SIGMAS * level.variance.sqrt();
-        block.occlusion[i] = [(radius / s.levels.length_mm) as f32, 1., 0., 0.];
-    }
-    block
 }
 
 fn address(wrap: Wrap) -> vk::SamplerAddressMode {
@@ -331,6 +301,7 @@ impl Upload {
 
     /// Submits and waits: the staging buffers may go, and later submits see everything.
     fn run(self) -> Result<(), FrameError> {
-        Ok(self.recorder.finish()?.run()?)
+        self.recorder.finish()?.run()?;
+        Ok(())
     }
 }

@@ -6,8 +6,8 @@ use super::shadows::Shadows;
 use super::uniforms::MAX_LIGHTS;
 use super::{FrameError, Inputs};
 use crate::methods::{self, texture_space};
-use crate::scene::{Alpha, Atlas, Camera, Filled, LightKind, Projection, gutter};
-use crate::settings::{Method, Quality, Settings, Texturing, ToneMap, View};
+use crate::scene::{Alpha, Atlas, Camera, Filled, Light, LightKind, Projection, gutter};
+use crate::settings::{Method, Quality, Settings, Spared, Texturing, ToneMap, View};
 use glam::Vec3;
 
 /// What becomes of the picture.
@@ -38,6 +38,14 @@ pub struct Setup {
     pub colors: bool,
     /// What is drawn over the lit picture.
     pub overlay: Overlay,
+    /// The scene has texture coordinates, used or not.
+    pub has_uvs: bool,
+    /// Some material's colour is a texture.
+    pub base_maps: bool,
+    /// Some material is cut out by its alpha.
+    pub cut_outs: bool,
+    /// Timestamps are asked for.
+    pub timed: bool,
     /// Some light travels further than a pixel under the surface.
     pub diffuses: bool,
     /// The blur of `pdss` and `moments`.
@@ -68,6 +76,8 @@ pub struct Setup {
     pub ambient: bool,
     /// Lights.
     pub lights: u32,
+    /// What `shadows` were fitted to.
+    shining: Vec<Light>,
     /// None of them is a point or a spot.
     pub all_directional: bool,
     /// Projection facts.
@@ -95,6 +105,11 @@ impl Setup {
     /// # Errors
     /// Where a view shows something that the method does not make.
     pub fn new(inputs: &Inputs<'_>) -> Result<Setup, FrameError> {
+        Self::after(None, inputs)
+    }
+
+    /// As [`Setup::new`]; what another frame of the same scene has found out is not looked for again.
+    pub(super) fn after(before: Option<&Setup>, inputs: &Inputs<'_>) -> Result<Setup, FrameError> {
         let (scene, settings) = (inputs.scene, &inputs.settings);
         if inputs.lights.len() > MAX_LIGHTS {
             return Err(FrameError::Lights { count: inputs.lights.len() });
@@ -117,7 +132,8 @@ impl Setup {
         };
         let atlas = if diffuses && settings.method == Method::TextureSpace {
             let wrong = |why| FrameError::Atlas { scene: scene.name.clone(), why };
-            Some(Atlas::new(scene).map_err(wrong)?)
+            let known = before.and_then(|b| b.atlas.clone());
+            Some(known.map_or_else(|| Atlas::new(scene).map_err(wrong), Ok)?)
         } else {
             None
         };
@@ -126,7 +142,10 @@ impl Setup {
         let side = texture_space::effort(settings.quality).0;
         let texel_mm = |a: &Atlas| a.side_mm / (f64::from(side) * f64::from(1. - 2. * border));
         let fill = |a: &Atlas| gutter(a, side, f64::from(border), reach_mm / a.side_mm);
-        let gutter = atlas.as_ref().map_or(Vec::new(), fill);
+        let gutter = match before {
+            Some(b) => b.gutter.clone(),
+            None => atlas.as_ref().map_or(Vec::new(), fill),
+        };
         let kernel = match &inputs.profile {
             Some(profile) if diffuses => {
                 methods::kernel(settings, profile, least_sigma_mm, atlas.as_ref().map_or(0., texel_mm))
@@ -134,8 +153,9 @@ impl Setup {
             _ => Vec::new(),
         };
         // What is left out changes no bit of the picture; without leaving out, it runs for nothing.
-        let all = settings.no_elide;
-        let ambient = all || settings.ambient.up.iter().chain(&settings.ambient.down).any(|x| *x > 0.);
+        let back = |what| settings.brings_back(what);
+        let ambient =
+            back(Spared::Ambient) || settings.ambient.up.iter().chain(&settings.ambient.down).any(|x| *x > 0.);
         let lit = matches!(settings.view, View::Final | View::Ao);
         let ao = lit && ((ambient && !settings.no_ao) || settings.view == View::Ao) && !levels.levels.is_empty();
         let wanted = settings.view == View::Curvature || settings.view == View::SoftCurvature;
@@ -144,7 +164,7 @@ impl Setup {
             Method::Wrap => diffuses,
             _ => false,
         };
-        let curvature = wanted || ao || bent || (all && scatters);
+        let curvature = wanted || ao || bent || (back(Spared::Curvature) && scatters);
         let why_no_curvature = match (scatters, settings.method) {
             (false, _) => "no material scatters",
             (_, Method::Pdss) if !blurred => "every level projects below a pixel",
@@ -152,7 +172,10 @@ impl Setup {
             _ => "the method does not use curvature, and no ambient occlusion does",
         };
         let soft = matches!(settings.view, View::SoftNormal | View::SoftCurvature);
-        let mut shadows = Shadows::new(inputs);
+        let mut shadows = match before {
+            Some(b) if b.shining == inputs.lights => b.shadows.clone(),
+            _ => Shadows::new(inputs),
+        };
         if !blurred && settings.view != View::Lit {
             // Nobody blurs visibility: lighting looks it up itself, at full precision.
             shadows.without_slots();
@@ -182,7 +205,8 @@ impl Setup {
             View::Final => Overlay::new(scene, &inputs.camera),
             _ => Overlay::default(),
         };
-        let uvs = (all || used(&|m| m.is_textured()) || atlas.is_some()) && !scene.uvs.is_empty();
+        let has_uvs = !scene.uvs.is_empty();
+        let uvs = (back(Spared::TextureCoordinates) || used(&|m| m.is_textured()) || atlas.is_some()) && has_uvs;
         Ok(Setup {
             size,
             output: if is_lit(settings.view) { inputs.output } else { Output::Linear },
@@ -191,9 +215,13 @@ impl Setup {
             uvs,
             colors: !scene.colors.is_empty(),
             overlay,
+            has_uvs,
+            base_maps: used(&|m| m.base_color_texture.is_some()),
+            cut_outs: used(&|m| alpha_cutoff(m.alpha).is_some()),
+            timed: inputs.timing.is_some(),
             diffuses,
             mass,
-            detail: mass && (normal_maps || super::mass::strays(scene)),
+            detail: mass && before.map_or_else(|| normal_maps || super::mass::strays(scene), |b| b.detail),
             taps,
             levels,
             kernel,
@@ -206,7 +234,9 @@ impl Setup {
             ao,
             ambient,
             lights: inputs.lights.len() as u32,
-            all_directional: !all && inputs.lights.iter().all(|l| matches!(l.kind, LightKind::Directional { .. })),
+            shining: inputs.lights.clone(),
+            all_directional: !back(Spared::Places)
+                && inputs.lights.iter().all(|l| matches!(l.kind, LightKind::Directional { .. })),
             view,
             settings: settings.clone(),
         })

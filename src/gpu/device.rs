@@ -1,6 +1,7 @@
 //! Instance, device and queue; which devices there are, and what they can do.
 
 use super::{GpuError, Named, validation};
+use crate::cache::{Cache, hash};
 use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::collections::BTreeMap;
@@ -37,6 +38,15 @@ pub struct DeviceInfo {
     pub timestamp_period: f32,
 }
 
+/// Pipelines of earlier runs.
+struct Kept {
+    cache: Cache,
+    /// Device, driver and every shader.
+    key: u64,
+    /// What was there.
+    found: Vec<u8>,
+}
+
 /// An open device. Owners hold it by `Arc`.
 pub struct Gpu {
     pub(super) device: ash::Device,
@@ -47,6 +57,7 @@ pub struct Gpu {
     pub(super) allocator: Mutex<Option<Allocator>>,
     pub(super) timestamp_bits: u32,
     pub(super) cache: vk::PipelineCache,
+    kept: Option<Kept>,
     live: Mutex<BTreeMap<u64, String>>,
     messages: validation::Messages,
     info: DeviceInfo,
@@ -63,6 +74,14 @@ impl Gpu {
     /// # Errors
     /// [`GpuError::NoDevice`] names what every device lacks; [`GpuError::NoValidation`] where the layer is absent.
     pub fn open(options: &Options) -> Result<Arc<Gpu>, GpuError> {
+        Self::open_with(options, None)
+    }
+
+    /// As [`Gpu::open`]; what is dear to make is looked for in `cache`, and kept there.
+    ///
+    /// # Errors
+    /// As [`Gpu::open`].
+    pub fn open_with(options: &Options, cache: Option<Cache>) -> Result<Arc<Gpu>, GpuError> {
         let (entry, instance) = instance(options.validate)?;
         let messages = validation::Messages::default();
         let messenger = if options.validate { Some(messenger(&entry, &instance, &messages)?) } else { None };
@@ -107,11 +126,18 @@ impl Gpu {
             allocation_sizes: Default::default(),
         })
         .map_err(|e| GpuError::Memory { resource: "the allocator".into(), reason: e.to_string() })?;
-        // SAFETY: the device is alive; a default create info is valid.
-        let cache = unsafe { device.create_pipeline_cache(&vk::PipelineCacheCreateInfo::default(), None) }
-            .named("vkCreatePipelineCache", "the pipeline cache")?;
         // SAFETY: physical comes from this instance.
-        let limits = unsafe { instance.get_physical_device_properties(physical) }.limits;
+        let properties = unsafe { instance.get_physical_device_properties(physical) };
+        let kept = cache.map(|cache| {
+            let key = pipelines_key(&properties);
+            Kept { found: cache.read("pipelines", key).unwrap_or_default(), cache, key }
+        });
+        let found = kept.as_ref().map_or(&[][..], |k| &k.found);
+        let create = vk::PipelineCacheCreateInfo::default().initial_data(found);
+        // SAFETY: the device is alive; the data are those that this very driver gave, or none.
+        let cache = unsafe { device.create_pipeline_cache(&create, None) }
+            .named("vkCreatePipelineCache", "the pipeline cache")?;
+        let limits = properties.limits;
         Ok(Arc::new(Gpu {
             push: khr::push_descriptor::Device::new(&instance, &device),
             debug: options.validate.then(|| ext::debug_utils::Device::new(&instance, &device)),
@@ -120,6 +146,7 @@ impl Gpu {
             allocator: Mutex::new(Some(allocator)),
             timestamp_bits,
             cache,
+            kept,
             live: Mutex::default(),
             messages,
             info,
@@ -147,6 +174,11 @@ impl Gpu {
     /// What this device is.
     pub fn info(&self) -> &DeviceInfo {
         &self.info
+    }
+
+    /// Where what is dear to make is kept; none: nowhere.
+    pub fn store(&self) -> Option<&Cache> {
+        self.kept.as_ref().map(|k| &k.cache)
     }
 
     /// Its limits.
@@ -206,6 +238,12 @@ impl Drop for Gpu {
         // SAFETY: every owner held an Arc of this, so all of them are gone; the allocator goes before its device.
         unsafe {
             let _ = self.device.device_wait_idle();
+            if let Some(kept) = &self.kept
+                && let Ok(data) = self.device.get_pipeline_cache_data(self.cache)
+                && data != kept.found
+            {
+                kept.cache.write("pipelines", kept.key, &data);
+            }
             self.device.destroy_pipeline_cache(self.cache, None);
             if let Ok(mut a) = self.allocator.lock() {
                 drop(a.take());
@@ -217,6 +255,14 @@ impl Drop for Gpu {
             self.instance.destroy_instance(None);
         }
     }
+}
+
+/// Pipelines serve one driver's build for one device, and the shaders that they were made from.
+fn pipelines_key(p: &vk::PhysicalDeviceProperties) -> u64 {
+    let numbers = [p.vendor_id, p.device_id, p.driver_version];
+    let device: [&[u8]; 2] = [&p.pipeline_cache_uuid, bytemuck::bytes_of(&numbers)];
+    let code = crate::shaders::ALL.iter().map(|s| s.code);
+    hash(&device.into_iter().chain(code).collect::<Vec<_>>())
 }
 
 fn instance(validate: bool) -> Result<(ash::Entry, ash::Instance), GpuError> {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 pub type Constants<'a> = &'a [(&'a str, u32)];
 
 /// Fixed-function state of a raster pass.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Raster {
     /// Formats of the colour attachments.
     pub colors: Vec<vk::Format>,

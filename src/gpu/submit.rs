@@ -4,6 +4,7 @@ use super::timing::Timer;
 use super::{Gpu, GpuError, Named};
 use ash::vk;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// Work that can be submitted again and again.
 pub struct Recorded {
@@ -25,22 +26,24 @@ impl Recorded {
         Recorded { gpu: gpu.clone(), pool, commands, fence, timer }
     }
 
-    /// Submits once and waits for the fence.
+    /// Submits once and waits for the fence. Returns the time that was spent in the driver.
     ///
     /// # Errors
     /// Where the device is lost.
-    pub fn run(&self) -> Result<(), GpuError> {
+    pub fn run(&self) -> Result<Duration, GpuError> {
         if let Some(timer) = &self.timer {
             timer.reset();
         }
         let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];
         let submit = vk::SubmitInfo2::default().command_buffer_infos(&buffers);
+        let start = Instant::now();
         // SAFETY: the command buffer is executable and not pending: every run waits for its fence.
         unsafe {
             self.gpu.device.queue_submit2(self.gpu.queue, &[submit], self.fence).named("vkQueueSubmit2", "frame")?;
             self.gpu.device.wait_for_fences(&[self.fence], true, u64::MAX).named("vkWaitForFences", "frame")?;
-            self.gpu.device.reset_fences(&[self.fence]).named("vkResetFences", "frame")
+            self.gpu.device.reset_fences(&[self.fence]).named("vkResetFences", "frame")?;
         }
+        Ok(start.elapsed())
     }
 
     /// The timer it was recorded with.

@@ -7,6 +7,7 @@ mod moments;
 mod pdss;
 pub mod preintegrated;
 pub mod separable;
+mod spared;
 pub mod texture_space;
 mod wrap;
 
@@ -50,6 +51,7 @@ pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
     }
     stages::overlay::add(&mut plan, s);
     stages::tonemap::add(&mut plan, s);
+    spared::note(&mut plan, s);
     plan.keep(s.kept());
     plan.finish()?;
     Ok(plan)

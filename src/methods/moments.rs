@@ -12,7 +12,7 @@ pub fn frame(p: &mut Plan, s: &Setup) {
     tiles::add(p, s); //      viewz                                 -> tile lists
     visibility::add(p, s); // viewz normal shadow                   -> lit
     curvature::add(p, s); //  viewz normal                          -> curvature   (for ambient occlusion)
+    translucent::add(p, s); //viewz normal mass shadow softlit      -> softlit..  (wide levels, each between two of the blur's)
     blur::add(p, s); //       viewz normal curvature lit            -> soft0.. softlit0..
-    translucent::add(p, s); //viewz normal mass shadow softlit      -> gathered..  (wide levels)
-    light::add(p, s); //      G-buffer soft softlit gathered        -> ldr or exr
+    light::add(p, s); //      G-buffer soft softlit                 -> ldr or exr
 }

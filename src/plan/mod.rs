@@ -5,6 +5,7 @@
 use crate::gpu::image::ImageDesc;
 use crate::gpu::pipeline::Raster;
 use crate::gpu::usage::{Barrier, Usage};
+use crate::settings::Spared;
 use crate::shaders::Shader;
 use crate::targets;
 use ash::vk;
@@ -46,7 +47,7 @@ pub enum Domain {
 }
 
 /// What a pass does.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Work {
     /// A compute shader.
     Compute {
@@ -136,7 +137,7 @@ pub struct TargetPlan {
 }
 
 /// A buffer of the frame, written by the device.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BufferPlan {
     /// Name.
     pub name: String,
@@ -153,6 +154,9 @@ pub struct LeftOut {
     pub why: String,
     /// Bytes of images that are not made.
     pub bytes: u64,
+    /// What brings it back, so that what it would cost can be timed; none where the picture would not have the same bits, or
+    /// nothing would run.
+    pub back: Option<Spared>,
 }
 
 /// The whole frame, decided.
@@ -190,9 +194,27 @@ impl Plan {
         self.buffers.insert(name.to_owned(), BufferPlan { name: name.to_owned(), bytes });
     }
 
+    /// Whether a frame recorded from this plan is one of `other`, too: the same passes with the same constants over the same
+    /// images. Where those lie may differ.
+    pub fn records_as(&self, other: &Plan) -> bool {
+        let images = |p: &Plan| -> Vec<_> {
+            p.targets.iter().map(|(n, t)| (n.clone(), t.desc.format, t.desc.size, t.desc.layers)).collect()
+        };
+        let same = |(a, b): (&Pass, &Pass)| {
+            (&a.name, &a.work, &a.constants, &a.push, &a.aliases)
+                == (&b.name, &b.work, &b.constants, &b.push, &b.aliases)
+        };
+        self.passes.len() == other.passes.len()
+            && self.passes.iter().zip(&other.passes).all(same)
+            && images(self) == images(other)
+            && self.buffers == other.buffers
+    }
+
     /// Notes something that is not needed.
-    pub fn leave_out(&mut self, what: &str, why: impl Into<String>, bytes: u64) {
-        self.left_out.push(LeftOut { what: what.to_owned(), why: why.into(), bytes });
+    pub fn leave_out(&mut self, what: &str, why: impl Into<String>, bytes: u64) -> &mut LeftOut {
+        self.left_out.push(LeftOut { what: what.to_owned(), why: why.into(), bytes, back: None });
+        let last = self.left_out.len() - 1;
+        &mut self.left_out[last]
     }
 
     /// Whether there is a target of this name.

@@ -12,3 +12,4 @@ pub mod table;
 pub mod tone;
 pub mod trace;
 pub mod traffic;
+pub mod versus;

@@ -238,7 +238,7 @@ fn notes(device: &DeviceInfo, subject: &Subject, warmup: Warmed, stages: &[Stage
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(in crate::report) mod tests {
     use super::*;
     use crate::report::measure::StageSamples;
 

@@ -9,7 +9,7 @@
 
 use glam::{Vec3, ivec3};
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Sigmas beyond which area does not count: what lies there weighs 3e-4 of a plane.
 const REACH_SIGMAS: f32 = 4.;
@@ -129,9 +129,10 @@ fn gathered(triangles: &[[Vec3; 3]], cell: f32) -> Vec<Speck> {
             cells
         })
         .collect();
-    let mut all: HashMap<glam::IVec3, Speck> = HashMap::new();
+    // In order of cells: sums over them must come out the same to the bit every time, and a hash map's order does not.
+    let mut all: BTreeMap<[i32; 3], Speck> = BTreeMap::new();
     for (key, s) in parts.into_iter().flatten() {
-        let sum = all.entry(key).or_default();
+        let sum = all.entry(key.to_array()).or_default();
         sum.area += s.area;
         sum.position += s.position;
     }

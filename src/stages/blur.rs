@@ -2,7 +2,7 @@
 //!
 //! [`Levels`]: crate::frame::levels::Levels
 
-use super::tiles;
+use super::{tiles, translucent};
 use crate::frame::setup::Setup;
 use crate::plan::{Domain, Plan};
 use crate::shaders;
@@ -13,7 +13,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         let why = format!("sigma {:.3} mm projects below a pixel here", variance.sqrt());
         plan.leave_out("blur level", why, 8 * s.pixels());
     }
-    let mut source = String::new();
+    let (mut source, mut source_level) = (String::new(), None);
     for (index, step) in s.levels.steps.iter().enumerate() {
         // A pass on the way to a level writes a target that only the next pass reads.
         let stem = step.level.map_or(format!("way{index}"), |l| l.to_string());
@@ -52,6 +52,14 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         if !s.curvature {
             pass.absent("curvature");
         }
+        // The level before has been read for the last time.
+        if let Some(i) = source_level {
+            translucent::level(plan, s, i);
+        }
+        source_level = step.level;
         source = stem;
+    }
+    if let Some(i) = source_level {
+        translucent::level(plan, s, i);
     }
 }

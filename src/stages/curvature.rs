@@ -3,13 +3,14 @@
 use super::tiles;
 use crate::frame::setup::Setup;
 use crate::plan::{Domain, Plan};
-use crate::settings::{Curvature, Kernels, View};
+use crate::settings::{Curvature, Kernels, Spared, View};
 use crate::shaders;
 
 /// Adds the pass, if anything uses curvature.
 pub fn add(plan: &mut Plan, s: &Setup) {
     if !s.curvature {
-        plan.leave_out("curvature", s.why_no_curvature, 8 * s.pixels());
+        let back = s.scatters.then_some(Spared::Curvature);
+        plan.leave_out("curvature", s.why_no_curvature, 8 * s.pixels()).back = back;
         return;
     }
     plan.image("curvature", s.size);

@@ -4,6 +4,7 @@
 use crate::frame::setup::Setup;
 use crate::gpu::pipeline::Raster;
 use crate::plan::{Geometry, Plan};
+use crate::settings::Spared;
 use crate::shaders::{self, Shader};
 use crate::targets;
 use ash::vk;
@@ -40,7 +41,8 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         plan.image(name, s.size);
     }
     if !s.uvs {
-        plan.leave_out("texture coordinates", "no material is textured", 0);
+        let back = s.has_uvs.then_some(Spared::TextureCoordinates);
+        plan.leave_out("texture coordinates", "no material is textured", 0).back = back;
     }
     if !s.colors {
         plan.leave_out("vertex colours", "no vertex has one", 0);

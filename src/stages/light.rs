@@ -54,8 +54,6 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         }
         if i >= levels || s.shadows.slots == 0 {
             pass.absent(SOFTLIT[i]);
-        } else if s.levels.levels[i].gathered {
-            pass.bind(SOFTLIT[i], format!("gathered{i}"));
         }
     }
     if s.shadows.slots == 0 {

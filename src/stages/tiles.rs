@@ -2,6 +2,7 @@
 
 use crate::frame::setup::Setup;
 use crate::plan::{Domain, Plan};
+use crate::settings::Spared;
 use crate::shaders;
 
 /// Tiles of the picture that hold any surface.
@@ -49,7 +50,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
             .constant("STRIDE", stride)
             .constant("SURFACE", u32::from(stride == 1))
             .constant("SCATTER", u32::from(s.scatters))
-            .constant("EVERY", u32::from(s.settings.no_elide))
+            .constant("EVERY", u32::from(s.settings.brings_back(Spared::Tiles)))
             .bind("scatter_tiles", if s.scatters { scatter(stride) } else { SURFACE });
         if stride > 1 {
             // Not touched as specialised; bound to the list that is written anyway, so that nobody waits for another.

@@ -1,11 +1,12 @@
-//! translucent: viewz, normal, shadow, and softlit + softgeo with normal maps -> gathered, for the wide levels. Light found in the shadow map, hidden parts of the surface included.
+//! translucent: viewz, normal, shadow, and softlit + softgeo with normal maps -> softlit, for the wide levels. Light found in the
+//! shadow map, hidden parts of the surface included.
 
 use super::tiles;
 use crate::frame::setup::Setup;
 use crate::plan::{Domain, Plan};
 use crate::shaders;
 
-/// Adds a pass for each level that is gathered.
+/// Says why no level is gathered; those that are have their pass among the blur's ([`level`]).
 pub fn add(plan: &mut Plan, s: &Setup) {
     if !s.mass {
         let why = if s.taps == 0 {
@@ -17,21 +18,22 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         };
         plan.leave_out("light from the light's view", why, 0);
     }
-    for (i, level) in s.levels.levels.iter().enumerate().filter(|(_, l)| l.gathered) {
-        let target = format!("gathered{i}");
-        plan.image_as(&target, ash::vk::Format::R32_UINT, s.size.map(|x| x.div_ceil(level.stride)), 1);
-        let shader = if s.detail { &shaders::TRANSLUCENT_DETAIL } else { &shaders::TRANSLUCENT_PLAIN };
-        let pass = plan
-            .compute(&format!("translucent{i}"), shader, Domain::Tiles(tiles::scatter(level.stride)))
-            .constant("STRIDE", level.stride)
-            .constant("TAPS", s.taps)
-            .constant("GATHERED", i as u32 - s.levels.first_gathered())
-            .bind("target", target)
-            .bind("soft", format!("soft{i}"))
-            .bind("normal", if s.detail { "facet" } else { "normal" })
-            .bind("blurred", format!("softlit{i}"))
-            .bind("blurred_geo", format!("softgeo{i}"))
-            .push(&(level.variance as f32));
-        s.specialise_lights(pass);
-    }
+}
+
+/// Adds the pass of one level, where it is gathered, over its blurred light. Once the next level's blur has read that: the light
+/// by the triangles' normals is then needed no longer, and the next level can lie where it lay.
+pub fn level(plan: &mut Plan, s: &Setup, i: usize) {
+    let Some(level) = s.levels.levels.get(i).filter(|l| l.gathered) else { return };
+    let shader = if s.detail { &shaders::TRANSLUCENT_DETAIL } else { &shaders::TRANSLUCENT_PLAIN };
+    let pass = plan
+        .compute(&format!("translucent{i}"), shader, Domain::Tiles(tiles::scatter(level.stride)))
+        .constant("STRIDE", level.stride)
+        .constant("TAPS", s.taps)
+        .constant("GATHERED", i as u32 - s.levels.first_gathered())
+        .bind("soft", format!("soft{i}"))
+        .bind("normal", if s.detail { "facet" } else { "normal" })
+        .bind("blurred", format!("softlit{i}"))
+        .bind("blurred_geo", format!("softgeo{i}"))
+        .push(&(level.variance as f32));
+    s.specialise_lights(pass);
 }

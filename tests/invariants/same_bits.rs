@@ -5,11 +5,11 @@ use ash::vk;
 use pdss::frame::Renderer;
 use pdss::gpu::Gpu;
 use pdss::plan::{Plan, TargetPlan};
-use pdss::scene::{Light, LightKind};
-use pdss::settings::{Ambient, Method, Quality, Resolution, View};
+use pdss::scene::Light;
+use pdss::settings::{Method, Quality, Resolution, View};
 use std::sync::Arc;
 
-const SCATTERING: [Method; 8] = [
+pub const SCATTERING: [Method; 8] = [
     Method::TextureSpace,
     Method::Pdss,
     Method::Moments,
@@ -20,7 +20,7 @@ const SCATTERING: [Method; 8] = [
     Method::Wrap,
 ];
 
-fn torus(method: Method, view: View) -> Set {
+pub fn torus(method: Method, view: View) -> Set {
     let mut set = Set::new("shape:torus:70,25", 420., settings(method, view, [120, 90]));
     set.lights.push(Light::directional(70., 10., 0.4));
     set.settings.quality = Quality::Low;
@@ -105,49 +105,6 @@ pub fn unwritten(gpu: &Arc<Gpu>) -> Vec<Outcome> {
             let off = picture.differing(&poisoned(gpu, &set, late));
             let text = format!("{method:?} {resolution:?}: {n} pixels differ; filled just before lighting: {off}");
             all.push(Outcome { text, holds: n == 0, can_fail: off > 1000 });
-        }
-    }
-    all
-}
-
-/// Everything runs that can, needed or not: the plan is longer, the picture the same.
-pub fn left_out(gpu: &Arc<Gpu>) -> Vec<Outcome> {
-    let point = |set: &mut Set| {
-        let position = glam::Vec3::new(-90., 150., 120.);
-        set.lights =
-            vec![Light { kind: LightKind::Point { position }, color: [1.; 3], intensity: 0.05, range_mm: None }];
-    };
-    let dark = |set: &mut Set| set.settings.ambient = Ambient { up: [0.; 3], down: [0.; 3] };
-    type Change<'a> = &'a dyn Fn(&mut Set);
-    let cases: [(&str, Change<'_>); 4] = [
-        ("as it is", &|_| {}),
-        ("no ambient", &dark),
-        ("a point light", &point),
-        ("no profile", &|s| s.profile = None),
-    ];
-    let mut all = Vec::new();
-    for method in std::iter::once(Method::Lambert).chain(SCATTERING) {
-        for (what, change) in &cases {
-            let mut set = torus(method, View::Final);
-            change(&mut set);
-            let elided = set.linear(gpu);
-            let plan = Renderer::plan_only(&set.inputs()).expect("a plan");
-            set.settings.no_elide = true;
-            let whole = set.linear(gpu);
-            let more = Renderer::plan_only(&set.inputs()).expect("a plan");
-            let n = elided.differing(&whole);
-            // The twin: a picture that is not the same, by one part in a thousand.
-            let mut other = whole.clone();
-            other.texels.iter_mut().flatten().for_each(|x| *x *= 1.001);
-            let off = elided.differing(&other);
-            let text = format!(
-                "{method:?}, {what}: {n} pixels differ; {} passes and {} things left out against {} and {}; brighter by .1 %: {off}",
-                plan.passes.len(),
-                plan.left_out.len(),
-                more.passes.len(),
-                more.left_out.len()
-            );
-            all.push(Outcome { text, holds: n == 0, can_fail: off > 500 });
         }
     }
     all

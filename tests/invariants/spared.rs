@@ -1,0 +1,153 @@
+//! What is left out, and what is not done again: fewer passes, fewer bytes, the same bits.
+use crate::Outcome;
+use crate::same_bits::{SCATTERING, torus};
+use crate::studio::Set;
+use clap::ValueEnum;
+use pdss::frame::Renderer;
+use pdss::gpu::Gpu;
+use pdss::plan::Plan;
+use pdss::scene::{Camera, Light, LightKind};
+use pdss::settings::{Ambient, Method, Spared, View};
+use std::sync::Arc;
+
+type Change<'a> = (&'a str, &'a dyn Fn(&mut Set));
+
+fn plan(set: &Set) -> Plan {
+    Renderer::plan_only(&set.inputs()).expect("a plan")
+}
+
+/// Everything runs that can, needed or not, at once and one by one: the plan is longer, the picture the same.
+pub fn left_out(gpu: &Arc<Gpu>) -> Vec<Outcome> {
+    let point = |set: &mut Set| {
+        let position = glam::Vec3::new(-90., 150., 120.);
+        set.lights =
+            vec![Light { kind: LightKind::Point { position }, color: [1.; 3], intensity: 0.05, range_mm: None }];
+    };
+    let dark = |set: &mut Set| set.settings.ambient = Ambient { up: [0.; 3], down: [0.; 3] };
+    let cases: [Change<'_>; 5] = [
+        ("as it is", &|_| {}),
+        ("no ambient", &dark),
+        ("a point light", &point),
+        ("no profile", &|s| s.profile = None),
+        ("no ambient occlusion", &|s| s.settings.no_ao = true),
+    ];
+    let mut all = Vec::new();
+    for method in std::iter::once(Method::Lambert).chain(SCATTERING) {
+        for (what, change) in &cases {
+            let mut set = torus(method, View::Final);
+            change(&mut set);
+            let elided = set.linear(gpu);
+            let fewer = plan(&set);
+            // One by one where the methods have most to leave out.
+            let single = *what == "no ambient" && matches!(method, Method::Moments | Method::Separable);
+            for back in Spared::value_variants().iter().filter(|s| single || **s == Spared::All) {
+                set.settings.no_elide = vec![*back];
+                let whole = set.linear(gpu);
+                let more = plan(&set);
+                let n = elided.differing(&whole);
+                // The twin: a picture that is not the same, by one part in a thousand.
+                let mut other = whole.clone();
+                other.texels.iter_mut().flatten().for_each(|x| *x *= 1.001);
+                let off = elided.differing(&other);
+                let text = format!(
+                    "{method:?}, {what}, {back:?} back: {n} pixels differ; {} passes and {} things left out against {} and {}; brighter by .1 %: {off}",
+                    fewer.passes.len(),
+                    fewer.left_out.len(),
+                    more.passes.len(),
+                    more.left_out.len()
+                );
+                all.push(Outcome { text, holds: n == 0, can_fail: off > 500 });
+            }
+        }
+    }
+    all
+}
+
+/// A scene in which nothing scatters is a plain deferred frame, whatever the method: the same commands, not a byte more.
+pub fn plain(_: &Arc<Gpu>) -> Vec<Outcome> {
+    let cases: [Change<'_>; 3] = [
+        ("no profile", &|s| s.profile = None),
+        ("a profile of radius 0", &|s| s.profile = s.profile.take().map(|p| p.scaled(0.))),
+        ("a mask of nothing", &|s| {
+            let mut scene = (*s.scene).clone();
+            scene.materials.iter_mut().for_each(|m| m.scatter = None);
+            s.scene = Arc::new(scene);
+        }),
+    ];
+    let mut all = Vec::new();
+    for method in SCATTERING {
+        for (what, change) in &cases {
+            let of = |method: Method, bare: bool| {
+                let mut set = torus(method, View::Final);
+                if bare {
+                    change(&mut set);
+                }
+                plan(&set)
+            };
+            // A profile still marks its material, and its tiles: the floor is marked, too.
+            let floor = of(Method::Lambert, true);
+            let marked = *what == "a profile of radius 0";
+            let frame = of(method, true);
+            let same = frame.bytes() == floor.bytes() && (marked || frame.records_as(&floor));
+            let own = of(method, false);
+            let text = format!(
+                "{method:?}, {what}: {} passes, {:?} bytes; lambert {} and {:?}",
+                frame.passes.len(),
+                frame.bytes(),
+                floor.passes.len(),
+                floor.bytes()
+            );
+            all.push(Outcome { text, holds: same, can_fail: !own.records_as(&floor) });
+        }
+    }
+    all
+}
+
+/// Another eye and other lights are a write of constants: nothing is recorded again, and the picture is a fresh frame's.
+pub fn looks(gpu: &Arc<Gpu>) -> Vec<Outcome> {
+    let mut all = Vec::new();
+    for method in std::iter::once(Method::Lambert).chain(SCATTERING) {
+        let here = torus(method, View::Final);
+        let mut there = here.clone();
+        there.camera = Camera::orbit(35., 20., 420., None, 30., &there.scene);
+        there.lights = vec![Light::directional(-10., 50., 0.8), Light::directional(80., 5., 0.7)];
+        let mut far = here.clone();
+        far.camera = Camera::orbit(20., 30., 4e5, None, 30., &far.scene);
+        let (first, fresh) = (here.linear(gpu), there.linear(gpu));
+        let mut renderer = Renderer::new(gpu, here.inputs()).expect("a frame");
+        renderer.run().expect("it runs");
+        let recorded = renderer.cpu_times().record_ms.to_bits();
+        // What is too far away to scatter takes another frame, and leaves this one alone.
+        let refused = method == Method::Lambert || !renderer.look(&far.inputs()).expect("a plan");
+        let looked = renderer.look(&there.inputs()).expect("a plan");
+        let again = renderer.cpu_times().record_ms.to_bits() != recorded;
+        renderer.run().expect("it runs");
+        let mut moved = first.clone();
+        moved.texels = renderer.linear().expect("a picture");
+        let (n, off) = (moved.differing(&fresh), moved.differing(&first));
+        let text = format!(
+            "{method:?}: looked {looked}, recorded again {again}, refused from afar {refused}; {n} pixels differ from a fresh frame's, {off} from the first"
+        );
+        all.push(Outcome { text, holds: looked && !again && refused && n == 0, can_fail: off > 500 });
+    }
+    all
+}
+
+/// A frame that is run again costs ten microseconds at most beside what the driver takes.
+pub fn submits(gpu: &Arc<Gpu>) -> Vec<Outcome> {
+    let mut renderer = Renderer::new(gpu, torus(Method::Moments, View::Final).inputs()).expect("a frame");
+    let (mut own, mut whole) = (Vec::new(), Vec::new());
+    for _ in 0..30 {
+        renderer.run().expect("it runs");
+        let times = renderer.cpu_times();
+        own.push(times.last_own_us);
+        whole.push(times.last_run_ms * 1e3);
+    }
+    let median = |list: &mut Vec<f64>| {
+        list.sort_by(f64::total_cmp);
+        list[list.len() / 2]
+    };
+    let (own, whole) = (median(&mut own), median(&mut whole));
+    let text = format!("a frame run again: {own:.2} us of our own, {whole:.0} us in all");
+    vec![Outcome { text, holds: own <= 10., can_fail: whole > 10. }]
+}
