@@ -10,7 +10,8 @@ layout(set = 0, binding = 2, rgba16f) uniform image2D sheet;
 layout(set = 0, binding = 3, scalar) readonly buffer GutterBlock { uvec4 texel[]; } gutter;
 
 void main() {
-    uint index = gl_GlobalInvocationID.x;
+    // One row of threads would be more workgroups than a device need allow.
+    uint index = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * 64u + gl_GlobalInvocationID.x;
     if (index >= uint(gutter.texel.length())) return;
     uvec4 entry = gutter.texel[index];
     ivec2 here = ivec2(entry.x & 0xffffu, entry.x >> 16), last = imageSize(sheet) - 1;

@@ -12,6 +12,7 @@
 #include "common/tiles.glsl"
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
+#include "common/thickness.glsl"
 #include "common/light_code.glsl"
 
 layout(constant_id = 0) const int FIRST = 0;              // entry of the kernel that the Gaussians start at
@@ -29,30 +30,6 @@ layout(set = 0, binding = 6, scalar) readonly buffer KernelBlock { vec4 entry[];
 
 const float SINK = .22;  // of the profile's length; .6 mm of skin's
 
-// Thickness in mm along the light, bilinear; 0 where nothing lies in front.
-float thickness(Light light, vec3 position, vec3 normal) {
-    int layer = light.layer;
-    vec3 d = position - light.position;
-    if (!ALL_DIRECTIONAL && light.kind == LIGHT_POINT) layer += shadow_face(mat3(frame.world_from_view) * d);
-    mat4 m = lights.shadow_from_view[layer];
-    vec4 q = m * vec4(position - normal * (SINK * frame.length_mm), 1.);
-    bool parallel = ALL_DIRECTIONAL || light.kind == LIGHT_DIRECTIONAL;
-    if (!parallel && q.w <= 0.) return 1e9;
-    vec2 size = vec2(textureSize(shadow, 0).xy), at = (q.xy / q.w * .5 + .5) * size - .5, base = floor(at), f = at - base;
-    vec4 map = textureGather(shadow, vec3((base + 1.) / size, float(layer)));
-    vec4 mm;
-    if (parallel) {
-        // Reversed depth is linear: so much a mm.
-        mm = (map - q.z) * inversesqrt(m[0].z * m[0].z + m[1].z * m[1].z + m[2].z * m[2].z);
-    } else {
-        // Infinite reversed depth is near / distance.
-        mm = (q.w - q.z / max(map, vec4(1e-20))) * (length(d) / q.w);
-    }
-    // A texel that nothing covers is in front of nothing.
-    mm = max(mm, vec4(0.));
-    return mix(mix(mm.w, mm.z, f.x), mix(mm.x, mm.y, f.x), f.y);
-}
-
 void main() {
     ivec2 pixel = tile_pixel();
     if (any(greaterThanEqual(pixel, frame.size))) return;
@@ -68,7 +45,9 @@ void main() {
         vec3 l = light_arrives(light, p, arriving);
         float behind = max(OFFSET - dot(n, l), 0.);
         if (behind == 0.) continue;
-        float s = thickness(light, p, n);
+        vec3 sunk = p - n * (SINK * frame.length_mm);
+        int layer = shadow_layer(light, p);
+        float s = thickness(light, layer, shadow_place(layer, sunk), p);
         vec3 through = vec3(0.);
         for (int k = 0; k < GAUSSIANS; ++k) {
             vec4 g = kernel.entry[FIRST + k];

@@ -49,15 +49,16 @@ pub enum SeparableKernel {
     Authors,
 }
 
-/// Whether light that enters on the far side of a thin part leaves on the near one, for `separable`.
+/// Whether light that enters on the far side of a thin part leaves on the near one, for `separable` and `texture-space`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Transmittance {
-    /// By the thickness that the shadow map measures, as the authors' code does: exp(-s^2/v), from .3 before the terminator on
-    /// (Jimenez et al. 2010).
-    #[default]
+    /// By the thickness that the shadow map measures, as the authors' code does. `separable`: exp(-s^2/v), from .3 before the
+    /// terminator on (Jimenez et al. 2010); `texture-space`: light blurred where it enters, times exp(-s^2/2v), added
+    /// (d'Eon & Luebke 2007).
     Authors,
-    /// Exact for a slab lit from behind: exp(-s^2/2v), from the terminator on.
+    /// Exact for a slab lit from behind: exp(-s^2/2v), from the terminator on; `texture-space` divides by what both sides weigh.
+    #[default]
     Slab,
     /// Not.
     Off,

@@ -73,7 +73,7 @@ fn twin(shader: &Shader, block: &Block) -> Option<Layout> {
         (_, "TileBlock" | "SurfaceTiles" | "ScatterTiles") => {
             Layout { size: 16, members: vec![("dispatch", 0), ("pad", 12), ("tile", 16)] }
         }
-        ("shadow", "ShadowWorldBlock") => Layout { size: 0, members: vec![("shadow_from_world", 0)] },
+        ("shadow" | "entrance", "ShadowWorldBlock") => Layout { size: 0, members: vec![("shadow_from_world", 0)] },
         // Arrays of vec4, and nothing before them.
         ("lut_probe", "QueryBlock") => Layout { size: 0, members: vec![("query", 0)] },
         ("lut_probe", "AnswerBlock") => Layout { size: 0, members: vec![("answer", 0)] },

@@ -7,6 +7,8 @@ mod halo;
 mod plot;
 #[path = "screen/point.rs"]
 mod point;
+#[path = "screen/sphere.rs"]
+mod sphere;
 #[path = "screen/texture.rs"]
 mod texture;
 
@@ -18,6 +20,13 @@ fn a_point_of_light_becomes_the_profile() {
     std::fs::write(&path, plot::svg(&curves, 32. / 129.)).expect("the target folder is writable");
     println!("plotted in {}", path.display());
     assert_eq!(wrong, Vec::<String>::new());
+    studio::close(gpu);
+}
+
+#[test]
+fn more_work_is_less_error_on_a_sphere() {
+    let gpu = studio::open();
+    assert_eq!(sphere::check(&gpu), Vec::<String>::new());
     studio::close(gpu);
 }
 

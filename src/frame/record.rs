@@ -83,7 +83,7 @@ fn drawn<'a>(
         let here = match geometry {
             Geometry::Overlay => true,
             Geometry::Unwrapped => m.scatter.is_some() && m.alpha != Alpha::Blend,
-            Geometry::Depth | Geometry::Materials => m.alpha != Alpha::Blend,
+            Geometry::Depth | Geometry::Casters | Geometry::Materials => m.alpha != Alpha::Blend,
         };
         d.index_count > 0 && here
     })
@@ -133,7 +133,7 @@ pub fn pipelines(
                     constants.extend(names.into_iter().zip(maps).map(|(n, m)| (n, u32::from(m))));
                     let kinds = [("ALPHA_MASK", masked), ("UNLIT", unlit), ("BLEND", blended)];
                     constants.extend(kinds.map(|(name, is)| (name, u32::from(is))));
-                    let both = double_sided || *geometry == Geometry::Unwrapped;
+                    let both = double_sided || matches!(geometry, Geometry::Unwrapped | Geometry::Casters);
                     let cull = if both { vk::CullModeFlags::NONE } else { vk::CullModeFlags::BACK };
                     map.insert(Some(key), jobs.len());
                     jobs.push((pass, constants, cull));
@@ -202,7 +202,7 @@ pub fn record(gpu: &Arc<Gpu>, timer: Option<Timer>, world: &World<'_>) -> Result
                         }
                     }
                     Geometry::Depth => {}
-                    Geometry::Materials | Geometry::Unwrapped | Geometry::Overlay => {
+                    Geometry::Materials | Geometry::Casters | Geometry::Unwrapped | Geometry::Overlay => {
                         for (draw, material) in drawn(*geometry, world.draws, world.overlay) {
                             let pipeline = world.pipeline(index, Some(class(material, *geometry)))?;
                             let push = material_push(material, world.scatters);

@@ -156,7 +156,8 @@ impl Image {
         self.memory = Some(block.clone());
         let array = self.desc.array || self.desc.layers > 1;
         self.view = self.make_view(array, 0, self.desc.layers)?;
-        if array && self.desc.aspect() == vk::ImageAspectFlags::DEPTH {
+        let attachments = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::COLOR_ATTACHMENT;
+        if array && self.desc.usage.intersects(attachments) {
             self.layer_views = (0..self.desc.layers).map(|l| self.make_view(false, l, 1)).collect::<Result<_, _>>()?;
         }
         Ok(())

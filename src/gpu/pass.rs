@@ -20,7 +20,8 @@ pub enum Bound<'a> {
 pub struct Attachments<'a> {
     /// Colour targets with their clear values (as raw bits); without one the old content may be anything.
     pub colors: &'a [(&'a Image, Option<[u32; 4]>)],
-    /// Depth target, its layer if it is an array, its clear value; none where nothing hides anything.
+    /// Depth target, its layer if it is an array, its clear value; none where nothing hides anything. Colour targets that are arrays
+    /// are written in the same layer.
     pub depth: Option<(&'a Image, Option<u32>, f32)>,
     /// What all of them hold is kept, and drawn over.
     pub keep: bool,
@@ -194,12 +195,15 @@ impl<'a> Pass<'a> {
 
     /// Opens a rendering over the attachments' full extent.
     pub fn render(&mut self, attachments: &Attachments<'_>) {
+        let layer = attachments.depth.and_then(|d| d.1);
+        let layered =
+            |image: &Image| layer.and_then(|l| image.layer_views.get(l as usize)).copied().unwrap_or(image.view);
         let colors: Vec<_> = attachments
             .colors
             .iter()
             .map(|(image, clear)| {
                 vk::RenderingAttachmentInfo::default()
-                    .image_view(image.view)
+                    .image_view(layered(image))
                     .image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
                     .load_op(if attachments.keep {
                         vk::AttachmentLoadOp::LOAD
@@ -212,11 +216,8 @@ impl<'a> Pass<'a> {
                     .clear_value(vk::ClearValue { color: vk::ClearColorValue { uint32: clear.unwrap_or_default() } })
             })
             .collect();
-        let layered = |(image, layer, _): &(&Image, Option<u32>, f32)| {
-            layer.and_then(|l| image.layer_views.get(l as usize)).copied().unwrap_or(image.view)
-        };
         let depth = vk::RenderingAttachmentInfo::default()
-            .image_view(attachments.depth.as_ref().map_or(vk::ImageView::null(), layered))
+            .image_view(attachments.depth.map_or(vk::ImageView::null(), |d| layered(d.0)))
             .image_layout(vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL)
             .load_op(if attachments.keep { vk::AttachmentLoadOp::LOAD } else { vk::AttachmentLoadOp::CLEAR })
             .store_op(if attachments.keep { vk::AttachmentStoreOp::NONE } else { vk::AttachmentStoreOp::STORE })

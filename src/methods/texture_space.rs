@@ -5,28 +5,28 @@ use crate::frame::setup::Setup;
 use crate::plan::Plan;
 use crate::settings::{Quality, Settings};
 use crate::skin::profile::{Gaussian, Profile};
-use crate::stages::{combine, gather, gbuffer, irradiance, shadow, sheets, tiles, unwrap};
+use crate::stages::{combine, entrance, gather, gbuffer, irradiance, sheets, tiles, unwrap};
 
 /// The frame.
 pub fn frame(p: &mut Plan, s: &Setup) {
-    shadow::add(p, s); //     meshes                          -> shadow
+    entrance::add(p, s); //   meshes                          -> shadow entrance
     unwrap::add(p, s); //     meshes shadow                   -> sheet0 stretch
     sheets::add(p, s); //     sheet0 stretch                  -> sheet1..
     gbuffer::add(p, s); //    meshes                          -> viewz normal albedo material chart bumped
     tiles::add(p, s); //      viewz                           -> tile lists
     irradiance::add(p, s); // G-buffer shadow                 -> irradiance reflected
-    gather::add(p, s); //     viewz chart irradiance sheets   -> scattered
+    gather::add(p, s); //     viewz normal chart irradiance sheets shadow entrance -> scattered
     combine::add(p, s); //    G-buffer scattered reflected    -> ldr or exr
 }
 
-/// Side of a sheet in texels, and most Gaussians. High is the chapter's: 2048 and six (GPU Gems 3, chapter 14); below it halves
-/// the side and merges Gaussians, above it doubles the side.
-pub fn effort(quality: Quality) -> (u32, usize) {
+/// Side of a sheet in texels, most Gaussians, and taps a sigma. High is the chapter's: 2048, six, and seven taps one sigma apart
+/// (GPU Gems 3, chapter 14); below it halves the side and merges Gaussians, above it doubles the side and the taps.
+pub fn effort(quality: Quality) -> (u32, usize, u32) {
     match quality {
-        Quality::Low => (512, 3),
-        Quality::Medium => (1024, 4),
-        Quality::High => (2048, 6),
-        Quality::Ultra => (4096, 6),
+        Quality::Low => (512, 3, 1),
+        Quality::Medium => (1024, 4, 1),
+        Quality::High => (2048, 6, 1),
+        Quality::Ultra => (4096, 6, 2),
     }
 }
 

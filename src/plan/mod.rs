@@ -94,6 +94,8 @@ pub enum Geometry {
     Depth,
     /// A draw per material, with its textures.
     Materials,
+    /// The same, both sides of every triangle: whatever is in a light's way.
+    Casters,
     /// The same for the materials that scatter alone, both sides of every triangle.
     Unwrapped,
     /// A draw per material of those that are drawn over the picture, blended ones in order.
@@ -184,7 +186,7 @@ impl Plan {
     pub fn image_as(&mut self, name: &str, format: vk::Format, size: [u32; 2], layers: u32) {
         let mut desc = ImageDesc::new(name, format, size, vk::ImageUsageFlags::empty());
         desc.layers = layers;
-        desc.array = name == "shadow";
+        desc.array = matches!(name, "shadow" | "entrance");
         let (need, lifetime) = (Need::of_texels(&desc), (usize::MAX, 0));
         self.targets.insert(name.to_owned(), TargetPlan { desc, lifetime, need, arena: 0, offset: 0, kept: false });
     }

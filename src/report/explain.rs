@@ -209,6 +209,7 @@ fn domain(pass: &Pass) -> String {
         Work::Raster { geometry: Geometry::Overlay, .. } => {
             "what is blended, unlit or gives off light, back to front".to_owned()
         }
+        Work::Raster { geometry: Geometry::Casters, .. } => "meshes, both sides, a draw per material".to_owned(),
         Work::Raster { geometry: Geometry::Unwrapped, .. } => {
             "scattering meshes laid out by their texture coordinates, a draw per material".to_owned()
         }

@@ -1,9 +1,10 @@
-//! gather: viewz, chart, irradiance, sheets -> scattered. What texture space has diffused, back on the screen.
+//! gather: viewz, normal, chart, irradiance, sheets, shadow, entrance -> scattered. What texture space has diffused, back on the
+//! screen.
 
-use super::tiles;
+use super::{entrance, tiles};
 use crate::frame::setup::Setup;
 use crate::plan::{Domain, Plan};
-use crate::settings::View;
+use crate::settings::{Transmittance, View};
 use crate::shaders;
 
 /// Names that the shader has for sheets; a profile is at most six Gaussians.
@@ -16,10 +17,16 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     }
     plan.image("scattered", s.size);
     let levels = s.kernel.len() - 1;
+    let through = entrance::wanted(s);
+    let shader = if through { &shaders::GATHER_THROUGH } else { &shaders::GATHER_PLAIN };
     let pass = plan
-        .compute("gather", &shaders::GATHER, Domain::Tiles(tiles::scatter(1)))
+        .compute("gather", shader, Domain::Tiles(tiles::scatter(1)))
         .constant("LEVELS", levels as u32)
         .constant("SHEET_BORDER", s.border.to_bits());
+    if through {
+        pass.constant("SLAB", u32::from(s.settings.transmittance == Transmittance::Slab));
+        s.specialise_lights(pass);
+    }
     for name in SHEETS.into_iter().skip(levels) {
         pass.absent(name);
     }

@@ -7,6 +7,7 @@ pub mod blur;
 pub mod burley;
 pub mod combine;
 pub mod curvature;
+pub mod entrance;
 pub mod forward;
 pub mod gather;
 pub mod gaussians;

@@ -9,6 +9,14 @@ use ash::vk;
 
 /// Adds the passes.
 pub fn add(plan: &mut Plan, s: &Setup) {
+    layers(plan, s, |plan, name, layer, state| {
+        let depth = Some(("shadow".to_owned(), Some(layer), 0.));
+        plan.raster(name, &shaders::SHADOW_VERT, None, state, Vec::new(), depth, Geometry::Depth).push(&layer);
+    });
+}
+
+/// Declares the maps, and has a pass added for each of their layers: its name, its layer, its state.
+pub fn layers(plan: &mut Plan, s: &Setup, pass: impl Fn(&mut Plan, &str, u32, Raster)) {
     let layers = s.shadows.matrices.len() as u32;
     if layers == 0 {
         plan.leave_out("shadow", s.shadows.why_none, 0);
@@ -29,8 +37,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
             streams: vec![(0, vk::Format::R32G32B32_SFLOAT)],
             ..Raster::default()
         };
-        let depth = Some(("shadow".to_owned(), Some(layer), 0.));
         let name = if layers == 1 { "shadow".to_owned() } else { format!("shadow{layer}") };
-        plan.raster(&name, &shaders::SHADOW_VERT, None, state, Vec::new(), depth, Geometry::Depth).push(&layer);
+        pass(plan, &name, layer, state);
     }
 }

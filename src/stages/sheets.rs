@@ -12,7 +12,8 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     if !s.lit_view() || s.settings.view == View::Irradiance {
         return;
     }
-    let size = [texture_space::effort(s.settings.quality).0; 2];
+    let (side, _, fine) = texture_space::effort(s.settings.quality);
+    let size = [side; 2];
     for name in ["sheetacross", "stretchacross"] {
         plan.image(name, size);
     }
@@ -24,12 +25,14 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         plan.image(&target, size);
         plan.compute(&format!("sheet{step} across"), &shaders::SHEETS_ACROSS, Domain::Threads(size))
             .constant("STEP", step)
+            .constant("FINE", fine)
             .bind("source", source)
             .bind("target", "sheetacross")
             .bind("target_stretch", "stretchacross");
         seams::add(plan, s, "sheetacross");
         plan.compute(&format!("sheet{step} down"), &shaders::SHEETS_DOWN, Domain::Threads(size))
             .constant("STEP", step)
+            .constant("FINE", fine)
             .bind("source", "sheetacross")
             .bind("stretch", "stretchacross")
             .bind("target", target.as_str())
