@@ -56,7 +56,7 @@ fn twin(shader: &Shader, block: &Block) -> Option<Layout> {
         (_, "Light") => {
             layout!(LightEntry { position, kind, color, range_mm, axis, inner_cos, outer_cos, layer, texel_mm, slot })
         }
-        ("gbuffer" | "forward" | "unwrap" | "overlay", "Push") => layout!(MaterialPush {
+        ("gbuffer" | "forward" | "unwrap" | "entrance" | "overlay", "Push") => layout!(MaterialPush {
             base_color,
             roughness,
             metallic,
