@@ -44,7 +44,7 @@ void main() {
         vec3 color = base.rgb * base.rgb, f0 = mix(vec3(m.a * m.a), color, m.g);
         vec3 n = octahedral_decode(imageLoad(normal, pixel).x);
         vec3 v = view_direction(view_position(pixel, abs(z)));
-        vec3 kept = (1. - m.g) * (1. - specular_albedo(clamp(dot(n, v), 0., 1.), m.r, f0));
+        vec3 kept = (1. - m.g) * (1. - gloss_albedo(gloss_of(base.a > .5, dot(n, v), m.r, f0)));
         light = kept * (PRE && scatters ? base.rgb : color) * light / PI + frame.light_unit * imageLoad(reflected, pixel).rgb;
         light *= frame.exposure;
     }

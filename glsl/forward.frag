@@ -17,6 +17,8 @@
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
 #include "common/specular.glsl"
+#include "common/environment.glsl"
+#include "common/sky_gloss.glsl"
 #include "common/scattering.glsl"
 #include "common/penumbra.glsl"
 #include "common/tonemap.glsl"
@@ -84,6 +86,8 @@ void main() {
     vec3 f0 = mix(vec3(push.reflectance), color, rm.y);
     bool scatters = push.scatter > 0.;
     vec4 widths = kernel.entry[0];
+    Gloss gloss;
+    if (OUTPUT == OUTPUT_FINAL) gloss = gloss_of(push.scatter != 0., dot(b, v), rm.x, f0);
     mat3 bent = mat3(b, b, b);
     if (NORMAL_MAP && NORMALS > NORMALS_ONE) {
         bent[0] = filtered(widths.r, texels, own, n);
@@ -123,11 +127,11 @@ void main() {
         }
         if (OUTPUT == OUTPUT_IRRADIANCE) exitance += max(dot(b, l), 0.) * seen * arriving;
         else exitance += lit * shade * arriving;
-        if (OUTPUT == OUTPUT_FINAL) reflected += specular_ggx(b, v, l, rm.x, f0) * arriving * seen;
+        if (OUTPUT == OUTPUT_FINAL) reflected += gloss_light(gloss, b, v, l) * arriving * seen;
     }
     vec3 radiance = exitance;
     if (OUTPUT == OUTPUT_FINAL) {
-        vec3 taken = specular_albedo(clamp(dot(b, v), 0., 1.), rm.x, f0);
+        vec3 taken = gloss_albedo(gloss);
         vec3 kept = (1. - rm.y) * (1. - taken);
         radiance = kept * color * exitance / PI + reflected;
         if (AMBIENT) {
@@ -135,6 +139,10 @@ void main() {
             vec3 tilt = scatters ? vec3(dot(bent[0], up), dot(bent[1], up), dot(bent[2], up)) : vec3(dot(b, up));
             radiance += kept * color * (frame.ambient_mean + frame.ambient_slope * tilt) * occlusion;
             radiance += taken * (frame.ambient_mean + frame.ambient_slope * dot(b, up)) * occlusion;
+        }
+        if (SKY) {
+            vec3 white = scatters ? sky_scattered(bent, vec3(curvature)) : sky_light(b);
+            radiance += (kept * color * white + sky_reflected(gloss, b, v)) * occlusion;
         }
         radiance *= frame.exposure;
     }

@@ -2,7 +2,7 @@
 //
 // viewz    R32F      distance along the view axis, mm; negated where the surface scatters
 // normal   R32_UINT  interpolated normal, without the normal map: curvature is measured on it
-// albedo   RGBA8     rgb square root of linear base colour (more steps in the dark), a scatter mask
+// albedo   RGBA8     rgb square root of linear base colour (more steps in the dark), a 1 where the material has the profile
 // material RGBA8     r roughness, g metallic, b occlusion, a square root of F0
 // bumped   R32_UINT  normal with the normal map, only where the scene has one
 // mass     RGB10_A2  half the reciprocal of the mass of each gathered level, only where light is gathered
@@ -53,7 +53,7 @@ void main() {
 
     viewz = push.scatter > 0. ? -view_distance : view_distance;
     normal = octahedral_encode(n);
-    albedo = vec4(sqrt(clamp(base.rgb, 0., 1.)), push.scatter);
+    albedo = vec4(sqrt(clamp(base.rgb, 0., 1.)), abs(push.scatter));
     material = vec4(material_rough_metal(uv), material_occlusion(uv), sqrt(push.reflectance));
 #ifdef BUMPED
     bumped = octahedral_encode(b);

@@ -13,6 +13,8 @@
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
 #include "common/specular.glsl"
+#include "common/environment.glsl"
+#include "common/sky_gloss.glsl"
 #include "common/light_code.glsl"
 
 layout(constant_id = 0) const bool FINAL = true;         // the lit picture: with specular and ambient light
@@ -37,7 +39,8 @@ void main() {
     vec3 n = octahedral_decode(imageLoad(normal, pixel).x);
     vec4 base = FINAL ? imageLoad(albedo, pixel) : vec4(1.);
     vec4 m = FINAL ? imageLoad(material, pixel) : vec4(1., 0., 1., 0.);
-    vec3 f0 = mix(vec3(m.a * m.a), base.rgb * base.rgb, m.g);
+    Gloss gloss;
+    if (FINAL) gloss = gloss_of(base.a > .5, dot(n, v), m.r, mix(vec3(m.a * m.a), base.rgb * base.rgb, m.g));
 
     vec3 diffuse = vec3(0.), specular = vec3(0.);
     for (int i = 0; i < LIGHTS; ++i) {
@@ -46,12 +49,16 @@ void main() {
         vec3 l = light_arrives(light, p, arriving);
         if (SHADOWS && light.layer >= 0) arriving *= shadow_visibility(light, p, n, l, mat3(frame.world_from_view));
         diffuse += max(dot(n, l), 0.) * arriving;
-        if (FINAL) specular += specular_ggx(n, v, l, m.r, f0) * arriving;
+        if (FINAL) specular += gloss_light(gloss, n, v, l) * arriving;
     }
     if (AMBIENT) {
         vec3 sky = (frame.ambient_mean + frame.ambient_slope * dot(n, frame.up)) * m.b;
         diffuse += PI * sky;
-        specular += specular_albedo(clamp(dot(n, v), 0., 1.), m.r, f0) * sky;
+        specular += gloss_albedo(gloss) * sky;
+    }
+    if (SKY) {
+        diffuse += PI * m.b * sky_light(n);
+        specular += m.b * sky_reflected(gloss, n, v);
     }
     imageStore(irradiance, pixel, light_encode((PRE && z < 0. ? diffuse * base.rgb : diffuse) / frame.light_unit));
     if (FINAL) imageStore(reflected, pixel, light_encode(specular / frame.light_unit));

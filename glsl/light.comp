@@ -16,6 +16,8 @@
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
 #include "common/specular.glsl"
+#include "common/environment.glsl"
+#include "common/sky_gloss.glsl"
 #include "common/scattering.glsl"
 #include "common/level_code.glsl"
 #include "common/tonemap.glsl"
@@ -222,7 +224,9 @@ void main() {
     vec3 color = base.rgb * base.rgb;
     float f = m.a * m.a;
     vec3 f0 = mix(vec3(f), color, m.g);
-    vec3 kept = SPECULAR ? (1. - m.g) * (1. - specular_albedo(clamp(dot(n, v), 0., 1.), m.r, f0)) : vec3(1.);
+    Gloss gloss;
+    if (SPECULAR) gloss = gloss_of(base.a > .5, dot(n, v), m.r, f0);
+    vec3 kept = SPECULAR ? (1. - m.g) * (1. - gloss_albedo(gloss)) : vec3(1.);
 
 #if METHOD == 2
     vec3 masses = MASS ? .5 / max(imageLoad(mass, pixel).rgb, .01) : vec3(1.);
@@ -283,7 +287,7 @@ void main() {
 #endif
         exitance += lit_here * irradiance;
         if (OUTPUT == OUTPUT_IRRADIANCE) arriving += max(c, 0.) * shade * irradiance;
-        if (SPECULAR && OUTPUT == OUTPUT_FINAL) reflected += specular_ggx(n, v, l, m.r, f0) * irradiance * shade;
+        if (SPECULAR && OUTPUT == OUTPUT_FINAL) reflected += gloss_light(gloss, n, v, l) * irradiance * shade;
     }
     if (OUTPUT == OUTPUT_SCATTER) {
         finish(pixel, exitance);
@@ -305,7 +309,28 @@ void main() {
 #endif
         vec3 sky = (frame.ambient_mean + frame.ambient_slope * tilt) * ao * m.b;
         radiance += kept * color * sky;
-        if (SPECULAR) radiance += specular_albedo(clamp(dot(n, v), 0., 1.), m.r, f0) * sky;
+        if (SPECULAR) radiance += gloss_albedo(gloss) * sky;
+    }
+    if (SKY) {
+        vec3 white = sky_light(n);
+#if METHOD == 1
+        if (scatters) white = sky_scattered(mat3(nr, ng, nb), h);
+#elif METHOD == 3
+        if (scatters) white = sky_scattered(mat3(n, n, n), vec3(bend));
+#elif METHOD == 2
+        if (scatters) {
+            // Mean normals scatter band 1 exactly; how short they are tells how much of band 2 is left.
+            white = environment.harmonic[0] + frame.sharp.rgb * (sky_linear(n) + sky_square(n));
+            for (int k = 0; k < LEVELS; ++k) {
+                vec3 mean = level[k].n;
+                white += frame.level[k].rgb * (sky_linear(mean) + sky_spread(dot(mean, mean)) * sky_square(mean));
+            }
+            white = max(white, 0.);
+        }
+#endif
+        vec3 light = kept * color * white;
+        if (SPECULAR) light += sky_reflected(gloss, n, v);
+        radiance += light * ao * m.b;
     }
     finish(pixel, radiance * frame.exposure);
 }

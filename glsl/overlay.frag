@@ -10,6 +10,8 @@
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
 #include "common/specular.glsl"
+#include "common/environment.glsl"
+#include "common/sky_gloss.glsl"
 
 layout(constant_id = 0) const bool UNLIT = false;
 layout(constant_id = 1) const bool BLEND = false;
@@ -33,7 +35,8 @@ vec3 lit(vec3 color) {
     vec2 rm = material_rough_metal(uv);
     vec3 p = view_position(ivec2(gl_FragCoord.xy), view_distance), v = view_direction(p);
     vec3 f0 = mix(vec3(push.reflectance), color, rm.y);
-    vec3 taken = specular_albedo(clamp(dot(n, v), 0., 1.), rm.x, f0);
+    Gloss gloss = gloss_of(push.scatter != 0., dot(n, v), rm.x, f0);
+    vec3 taken = gloss_albedo(gloss);
     vec3 arriving = vec3(0.), reflected = vec3(0.);
     for (int i = 0; i < LIGHTS; ++i) {
         Light light = lights.light[i];
@@ -41,7 +44,7 @@ vec3 lit(vec3 color) {
         vec3 l = light_arrives(light, p, irradiance);
         if (SHADOWS && light.layer >= 0) irradiance *= shadow_visibility(light, p, n, l, mat3(frame.world_from_view));
         arriving += max(dot(n, l), 0.) * irradiance;
-        reflected += specular_ggx(n, v, l, rm.x, f0) * irradiance;
+        reflected += gloss_light(gloss, n, v, l) * irradiance;
     }
     vec3 kept = (1. - rm.y) * (1. - taken) * color;
     vec3 radiance = kept * arriving / PI + reflected;
@@ -49,6 +52,7 @@ vec3 lit(vec3 color) {
         vec3 sky = (frame.ambient_mean + frame.ambient_slope * dot(n, frame.up)) * material_occlusion(uv);
         radiance += (kept + taken) * sky;
     }
+    if (SKY) radiance += (kept * sky_light(n) + sky_reflected(gloss, n, v)) * material_occlusion(uv);
     return radiance;
 }
 

@@ -9,6 +9,7 @@
 #include "common/material.glsl"
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
+#include "common/environment.glsl"
 
 layout(constant_id = 0) const bool SHADOWS = true;
 layout(constant_id = 1) const bool AMBIENT = true;
@@ -41,6 +42,7 @@ void main() {
         sum += max(dot(n, l), 0.) * arriving;
     }
     if (AMBIENT) sum += PI * (frame.ambient_mean + frame.ambient_slope * dot(n, frame.up)) * occlusion;
+    if (SKY) sum += PI * sky_light(n) * occlusion;
     if (PRE) sum *= sqrt(clamp(base.rgb, 0., 1.));
     sheet = vec4(min(sum / frame.light_unit, vec3(65504.)), round(chart));
     stretch = packHalf2x16(min(1. / max(mm, vec2(1e-9)), vec2(65504.)));

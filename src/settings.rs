@@ -214,7 +214,7 @@ pub enum View {
     Lit,
     /// Irradiance, unscattered, with shadows.
     Irradiance,
-    /// Diffuse exitance with unit-white albedo, no specular, no ambient: what truth also writes.
+    /// Diffuse exitance with unit-white albedo, no specular, no ambient, no environment: what truth also writes.
     Scatter,
 }
 
@@ -266,6 +266,10 @@ pub struct Settings {
     /// Ambient radiance, r,g,b or one grey number: from above and, after a colon, from below.
     #[arg(long, default_value = "0.03", value_parser = parse_ambient)]
     pub ambient: Ambient,
+    /// Sheen of fine hair over the materials that have the profile, 0 (none) to 1.
+    #[arg(long, default_value_t = 0., value_name = "X", value_parser = parse_share)]
+    #[serde(skip_serializing_if = "is_zero")]
+    pub fuzz: f32,
     /// Cast no shadows.
     #[arg(long)]
     pub no_shadows: bool,
@@ -326,6 +330,7 @@ impl Default for Settings {
             tone_map: ToneMap::default(),
             exposure: 0.,
             ambient: Ambient { up: [0.03; 3], down: [0.03; 3] },
+            fuzz: 0.,
             no_shadows: false,
             no_ao: false,
             no_translucent: false,
@@ -348,6 +353,16 @@ pub fn parse_size(text: &str) -> Result<Size, String> {
     } else {
         Err(format!("{text:?} is out of range; each side is 1 to 16384 pixels"))
     }
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde's signature")]
+fn is_zero(x: &f32) -> bool {
+    *x == 0.
+}
+
+fn parse_share(text: &str) -> Result<f32, String> {
+    let right = |x: &f32| (0. ..=1.).contains(x);
+    text.parse().ok().filter(right).ok_or_else(|| "that does not lie in 0..1; 0.3 would".to_owned())
 }
 
 fn parse_ambient(text: &str) -> Result<Ambient, String> {

@@ -20,7 +20,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "viewz", format: vk::Format::R32_SFLOAT, meaning: "distance along the view axis, mm; negated where the surface scatters; 0 background. gbuffer writes, every screen stage reads" },
     Target { name: "normal", format: vk::Format::R32_UINT, meaning: "unit normal, unbumped, view space, towards the eye, octahedral 2 x snorm16. gbuffer writes; curvature, blur, light read" },
     Target { name: "bumped", format: vk::Format::R32_UINT, meaning: "unit normal with the normal map, view space, octahedral 2 x snorm16. gbuffer writes; blur, light read" },
-    Target { name: "albedo", format: vk::Format::R8G8B8A8_UNORM, meaning: "rgb: square root of linear base colour, 0..1; a: scatter mask. gbuffer writes, light reads" },
+    Target { name: "albedo", format: vk::Format::R8G8B8A8_UNORM, meaning: "rgb: square root of linear base colour, 0..1; a: 1 where the material has the profile, whose gloss it then has. gbuffer writes, light reads" },
     Target { name: "material", format: vk::Format::R8G8B8A8_UNORM, meaning: "r perceptual roughness, g metallic, b occlusion, a square root of F0. gbuffer writes, light reads" },
     Target { name: "curvature", format: vk::Format::R32G32_UINT, meaning: "x: H in 1/mm as f32 bits, convex > 0; y: half sign(K) sqrt|K| times the pixel's footprint, half confidence 0..1. curvature writes; blur, light (wrap) read" },
     Target { name: "mass", format: vk::Format::A2B10G10R10_UNORM_PACK32, meaning: "half the reciprocal of the kernel's mass for each gathered level, 0..1. gbuffer writes; translucent, light read" },

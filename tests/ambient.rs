@@ -119,6 +119,7 @@ fn case(gpu: &Arc<Gpu>, name: &'static str, mut set: Set, sigmas: &[f64]) -> Cas
             shape: Shape::Gaussians(gaussians),
             ior: 1.4,
             albedo: None,
+            lobes: None,
         };
         set.profile = Some(one);
         let soft = set.try_linear(gpu).ok().map(|p| p.texels);

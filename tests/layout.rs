@@ -1,6 +1,6 @@
 //! What crosses to the shaders: every member of every Rust struct against its offset in the compiled SPIR-V, by name.
 use bytemuck::{Pod, Zeroable};
-use pdss::frame::uniforms::{FrameBlock, LightBlock, LightEntry, MaterialPush};
+use pdss::frame::uniforms::{EnvironmentBlock, FrameBlock, LightBlock, LightEntry, MaterialPush};
 use pdss::shaders::{ALL, Block, Shader};
 use std::mem::{offset_of, size_of};
 
@@ -52,6 +52,9 @@ fn single(name: &'static str) -> Layout {
 fn twin(shader: &Shader, block: &Block) -> Option<Layout> {
     Some(match (shader.stem, block.name) {
         (_, "FrameBlock") => frame(),
+        (_, "EnvironmentBlock") => {
+            layout!(EnvironmentBlock { sky_from_view, intensity, first, last, blur, knee, harmonic })
+        }
         (_, "LightBlock") => layout!(LightBlock { shadow_from_view, light }),
         (_, "Light") => {
             layout!(LightEntry { position, kind, color, range_mm, axis, inner_cos, outer_cos, layer, texel_mm, slot })

@@ -18,6 +18,10 @@ mod profile;
 mod ring;
 #[path = "skin/separable.rs"]
 mod separable;
+#[path = "skin/sky.rs"]
+mod sky;
+#[path = "skin/specular.rs"]
+mod specular;
 #[path = "skin/sphere.rs"]
 mod sphere;
 #[path = "skin/twin.rs"]

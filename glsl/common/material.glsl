@@ -16,7 +16,7 @@ layout(push_constant, scalar) uniform Push {
     float occlusion_strength;
     float alpha_cutoff;
     float reflectance;     // F0 of the dielectric
-    float scatter;         // mask: 0 does not scatter
+    float scatter;         // 1 scatters; -1 has the profile, and its gloss, but this frame scatters nothing; 0 has none
     vec3 emission;         // radiance, linear
 } push;
 

@@ -2,6 +2,7 @@
 
 use super::failure::Failure;
 use super::say;
+use super::sky::Sky;
 use clap::Args;
 use glam::DVec3;
 use pdss::cache::Cache;
@@ -62,6 +63,8 @@ pub struct View {
     /// may be repeated. Default: the file's lights, else a key and a fill.
     #[arg(long = "light", value_name = "YAW,PITCH[,INTENSITY]", allow_hyphen_values = true, value_parser = parse_light)]
     lights: Vec<Aim>,
+    #[command(flatten)]
+    sky: Sky,
     /// Diffusion profile: a built-in name, a .toml file, or none. Default: what the file says of the inside of its largest
     /// scattering material, else skin.
     #[arg(long, value_name = "NAME|FILE")]
@@ -214,6 +217,7 @@ impl View {
         if profile.is_some() {
             scene.assign_profile(self.profile_material.as_deref(), 0)?;
         }
+        scene.environment = self.sky.load()?.map(Arc::new);
         let camera = self.camera(&scene)?;
         let lights = self.lights(&scene);
         Ok(Stage { name: self.scene.clone(), scene, camera, lights, profile, settings: self.settings.clone() })
@@ -270,6 +274,9 @@ impl View {
         }
         if !scene.lights.is_empty() {
             return scene.lights.clone();
+        }
+        if scene.environment.is_some() {
+            return Vec::new();
         }
         if self.verbose {
             say("no light given and none in the scene: a key from 60,25,3.14 and a fill from -70,10,0.6");

@@ -12,6 +12,7 @@ mod figure1;
 mod profile;
 mod progress;
 mod render;
+mod sky;
 mod stress;
 mod truth;
 mod vectors;

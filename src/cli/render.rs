@@ -10,11 +10,12 @@ use pdss::compare::columns::significant;
 use pdss::frame::{FrameError, Output, Renderer};
 use pdss::gpu::Gpu;
 use pdss::gpu::timing::TimingMode;
+use pdss::report::layers::{self, Layer, Made};
 use pdss::report::measure::{self, Warmup};
 use pdss::report::picture::{self, Format};
 use pdss::report::stats::Summary;
 use pdss::report::{preview, supersample};
-use pdss::settings::{Method, Quality, Size, parse_size};
+use pdss::settings::{Method, Quality, Size, View as Show, parse_size};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -42,6 +43,9 @@ pub struct Render {
     /// Frames a second of a sequence; frame 0 is at --time.
     #[arg(long, value_name = "F", default_value_t = 24., value_parser = parse_positive)]
     fps: f64,
+    /// Write every view that the method has into one .exr, as layers: the picture is R, G, B, A, the others normal.R and so on.
+    #[arg(long, conflicts_with = "view")]
+    layers: bool,
     /// Samples of a pixel along each axis, averaged in linear light: for lit PNGs. EXR and other views have one.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=4))]
     supersample: u32,
@@ -81,6 +85,9 @@ impl Render {
     /// Draws, and writes the picture, or the pictures.
     pub fn run(&self) -> Result<(), Failure> {
         let format = picture::format_of(&self.output)?;
+        if self.layers && format != Format::Exr {
+            return Err(Failure::Input(format!("{}: --layers writes an .exr", self.output.display())));
+        }
         if self.contact_sheet {
             let scenes: Vec<&str> =
                 [self.view.scene()].into_iter().chain(self.more.iter().map(String::as_str)).collect();
@@ -160,7 +167,14 @@ impl Render {
             (Format::Png, Output::Ldr) => {
                 picture::write_png(path, size, &supersample::average(&renderer.ldr()?, size, samples))?;
             }
-            (Format::Exr, _) => picture::write_exr(path, size, &renderer.linear()?)?,
+            (Format::Exr, _) => {
+                let mut list = vec![Layer::picture(&renderer.linear()?)];
+                let made = Made::of(&stage.name, &stage.inputs(None, output), gpu.info());
+                if self.layers {
+                    list.extend(self.others(gpu, &mut stage)?);
+                }
+                layers::write(path, size, &list, &made)?;
+            }
             // A view of numbers is linear whatever the picture is; a PNG shows them to people.
             (Format::Png, Output::Linear) => {
                 let (texels, meaning) = preview::encode(stage.settings.view, &renderer.linear()?);
@@ -171,6 +185,45 @@ impl Render {
         watch.lap("picture");
         self.view.tell(&watch.words());
         Ok(())
+    }
+}
+
+/// The views beside the picture, and how many numbers each has.
+const LAYERS: [(Show, usize); 13] = [
+    (Show::Albedo, 3),
+    (Show::Normal, 3),
+    (Show::ShadingNormal, 3),
+    (Show::Position, 3),
+    (Show::Depth, 1),
+    (Show::Material, 3),
+    (Show::Curvature, 3),
+    (Show::SoftNormal, 3),
+    (Show::SoftCurvature, 1),
+    (Show::Ao, 1),
+    (Show::Lit, 2),
+    (Show::Irradiance, 3),
+    (Show::Scatter, 3),
+];
+
+impl Render {
+    /// A frame for each view; those that the method does not make are left out, and said.
+    fn others(&self, gpu: &Arc<Gpu>, stage: &mut Stage) -> Result<Vec<Layer>, Failure> {
+        let mut list = Vec::new();
+        for (view, numbers) in LAYERS {
+            stage.settings.view = view;
+            let mut renderer = match Renderer::new(gpu, stage.inputs(None, Output::Linear)) {
+                Ok(renderer) => renderer,
+                Err(refusal @ FrameError::View { .. }) => {
+                    self.view.tell(&format!("no such layer: {refusal}"));
+                    continue;
+                }
+                Err(error) => return Err(error.into()),
+            };
+            renderer.run()?;
+            let name = view.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
+            list.push(Layer::named(&name, numbers, &renderer.linear()?));
+        }
+        Ok(list)
     }
 }
 

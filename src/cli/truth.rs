@@ -99,6 +99,9 @@ impl Truth {
             return Err(Failure::Input(format!("{}: truth is written as .exr", self.output.display())));
         }
         let stage = self.view.load()?;
+        if stage.scene.environment.is_some() {
+            say("truth knows no sky: what --env would light is left out");
+        }
         match stage.settings.view {
             Show::Final | Show::Scatter => self.exitance(&stage),
             Show::Ao => self.ambient(&stage),

@@ -10,8 +10,8 @@ use std::f32::consts::PI;
 const PLAIN: f32 = 4096.;
 
 /// What irradiance is divided by before it is stored, and multiplied by afterwards. A power of two: no digit is lost.
-pub fn light_unit(lights: &[Light], ambient: &Ambient, positions: &[[f32; 3]], bounds: &Aabb) -> f32 {
-    let sky = PI * ambient.up.iter().chain(&ambient.down).fold(0f32, |m, x| m.max(*x));
+/// `sky` is the most irradiance that comes from all around.
+pub fn light_unit(lights: &[Light], sky: f32, positions: &[[f32; 3]], bounds: &Aabb) -> f32 {
     let total = |distance: &dyn Fn(Vec3) -> f32| sky + lights.iter().map(|l| strongest(l, distance)).sum::<f32>();
     // The box is soon asked; each vertex only where the box does not settle it.
     if total(&|p| (p.clamp(bounds.min, bounds.max) - p).length()) <= PLAIN {
@@ -24,6 +24,11 @@ pub fn light_unit(lights: &[Light], ambient: &Ambient, positions: &[[f32; 3]], b
     };
     let most = total(&nearest);
     if most <= PLAIN || !most.is_finite() { 1. } else { (most / PLAIN).log2().ceil().exp2() }
+}
+
+/// The most irradiance that a sky of two colours casts.
+pub fn of_ambient(ambient: &Ambient) -> f32 {
+    PI * ambient.up.iter().chain(&ambient.down).fold(0f32, |m, x| m.max(*x))
 }
 
 /// The most irradiance that a light can cast, at normal incidence.
@@ -46,7 +51,7 @@ mod tests {
     fn a_strong_light_has_room_and_a_weak_one_is_left_alone() {
         let corner = [[0.; 3], [10., 10., 10.]];
         let unit = |lights: &[Light]| {
-            light_unit(lights, &Ambient { up: [0.1; 3], down: [0.; 3] }, &corner, &Aabb::around(&corner))
+            light_unit(lights, of_ambient(&Ambient { up: [0.1; 3], down: [0.; 3] }), &corner, &Aabb::around(&corner))
         };
         assert_eq!(unit(&[Light::directional(0., 0., 1000.)]), 1.);
         for strength in [5e3, 1e6, 3e30] {

@@ -18,8 +18,8 @@ pub struct Constants {
 }
 
 impl Constants {
-    /// Of these inputs; `lut_knee` is the table's, 1/mm.
-    pub fn of(inputs: &Inputs<'_>, s: &Setup, lut_knee: f32) -> Constants {
+    /// Of these inputs; `lut_knee` is the table's, 1/mm; `sky` the most irradiance that comes from all around.
+    pub fn of(inputs: &Inputs<'_>, s: &Setup, lut_knee: f32, sky: f32) -> Constants {
         let view = inputs.camera.view_from_world();
         let world = inputs.camera.world_from_view();
         let mut lights: LightBlock = bytemuck::Zeroable::zeroed();
@@ -30,7 +30,7 @@ impl Constants {
             *matrix = (*m * world).to_cols_array_2d();
         }
         Constants {
-            frame: frame_block(inputs, s, lut_knee),
+            frame: frame_block(inputs, s, lut_knee, sky),
             lights,
             shadow_world: s.shadows.matrices.iter().map(|m| m.to_cols_array_2d()).collect(),
             kernel: s.kernel.iter().map(|row| row.map(|x| x as f32)).collect(),
@@ -38,7 +38,7 @@ impl Constants {
     }
 }
 
-fn frame_block(inputs: &Inputs<'_>, s: &Setup, lut_knee: f32) -> FrameBlock {
+fn frame_block(inputs: &Inputs<'_>, s: &Setup, lut_knee: f32, sky: f32) -> FrameBlock {
     let camera = &inputs.camera;
     let view = camera.view_from_world();
     let aspect = s.size[0] as f32 / s.size[1] as f32;
@@ -54,7 +54,7 @@ fn frame_block(inputs: &Inputs<'_>, s: &Setup, lut_knee: f32) -> FrameBlock {
     block.perspective = s.view.perspective;
     block.pixels_per_mm = s.view.pixels_per_mm as f32;
     block.origin = inputs.scene.origin.as_vec3().to_array();
-    block.light_unit = light_unit(&inputs.lights, &settings.ambient, &inputs.scene.positions, &inputs.scene.bounds);
+    block.light_unit = light_unit(&inputs.lights, sky, &inputs.scene.positions, &inputs.scene.bounds);
     block.ambient_mean = std::array::from_fn(|c| (up[c] + down[c]) / 2.);
     block.ambient_slope = std::array::from_fn(|c| (up[c] - down[c]) / 2.);
     block.exposure = settings.exposure.exp2();

@@ -2,6 +2,7 @@
 
 pub mod brightness;
 mod constants;
+mod environment;
 pub mod levels;
 mod mass;
 mod overlay;
@@ -172,6 +173,7 @@ impl Renderer {
             overlay: &overlay,
             index_count: inputs.scene.indices.len() as u32,
             scatters: setup.scatters,
+            ior: inputs.profile.as_ref().map(|p| p.ior),
         };
         let recorded = record::record(gpu, timer, &world)?;
         times.record_ms = milliseconds(start);

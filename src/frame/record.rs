@@ -58,6 +58,8 @@ pub struct World<'a> {
     pub index_count: u32,
     /// Scattering materials are marked.
     pub scatters: bool,
+    /// The profile's index of refraction, for its materials that state none.
+    pub ior: Option<f64>,
 }
 
 fn class(material: &Material, geometry: Geometry) -> ClassKey {
@@ -205,7 +207,7 @@ pub fn record(gpu: &Arc<Gpu>, timer: Option<Timer>, world: &World<'_>) -> Result
                     Geometry::Materials | Geometry::Casters | Geometry::Unwrapped | Geometry::Overlay => {
                         for (draw, material) in drawn(*geometry, world.draws, world.overlay) {
                             let pipeline = world.pipeline(index, Some(class(material, *geometry)))?;
-                            let push = material_push(material, world.scatters);
+                            let push = material_push(material, world.scatters, world.ior);
                             let find = |name: &str| world.find(pass, name, &maps(material));
                             open.prepare(pipeline, &streams, indices, bytemuck::bytes_of(&push), find)?;
                             open.draw(draw.first_index, draw.index_count);
@@ -257,8 +259,11 @@ impl<'a> World<'a> {
     }
 }
 
-fn material_push(m: &Material, scatters: bool) -> MaterialPush {
-    let r = (m.ior - 1.) / (m.ior + 1.);
+fn material_push(m: &Material, scatters: bool, of_profile: Option<f64>) -> MaterialPush {
+    // glTF's own default counts as nothing stated.
+    let stated = m.ior != Material::DEFAULT_IOR;
+    let ior = of_profile.filter(|_| m.scatter.is_some() && !stated).map_or(m.ior, |ior| ior as f32);
+    let r = (ior - 1.) / (ior + 1.);
     MaterialPush {
         base_color: m.base_color,
         roughness: m.roughness,
@@ -267,7 +272,11 @@ fn material_push(m: &Material, scatters: bool) -> MaterialPush {
         occlusion_strength: m.occlusion_texture.map_or(1., |t| t.1),
         alpha_cutoff: alpha_cutoff(m.alpha).unwrap_or(0.),
         reflectance: r * r * m.specular,
-        scatter: if scatters && m.scatter.is_some() { 1. } else { 0. },
+        scatter: match m.scatter {
+            Some(_) if scatters => 1.,
+            Some(_) if of_profile.is_some() => -1.,
+            _ => 0.,
+        },
         emission: m.emission,
     }
 }

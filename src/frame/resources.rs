@@ -1,6 +1,8 @@
 //! What a frame reads and never writes: vertex streams, textures, tables, constants.
 
+use super::brightness::of_ambient;
 use super::constants::Constants;
+use super::environment::{self, Filtered};
 use super::mass;
 use super::setup::Setup;
 use super::{FrameError, Inputs};
@@ -9,10 +11,11 @@ use crate::gpu::pass::Bound;
 use crate::gpu::usage::{State, Usage};
 use crate::gpu::{Buffer, Gpu, Image, ImageDesc, Sampler};
 use crate::methods::preintegrated;
-use crate::scene::{Filter, Mips, Texture, Wrap, vertex_curvature};
+use crate::scene::{Environment, Filter, Mips, Texture, Wrap, vertex_curvature};
 use crate::settings::{ForwardCurvature, Method};
 use crate::skin::lut::Lut;
-use crate::skin::penumbra;
+use crate::skin::sky::Harmonics;
+use crate::skin::{self, penumbra, specular};
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 use rayon::prelude::*;
@@ -28,6 +31,11 @@ pub const EXTERNAL: &[&str] = &[
     "kernel",
     "gutter",
     "no shadow",
+    "white",
+    "gloss_table",
+    "environment",
+    "sky",
+    "bands",
     "base_color_map",
     "metallic_roughness_map",
     "normal_map",
@@ -58,6 +66,18 @@ pub struct Resources {
     kernel: Option<Buffer>,
     gutter: Option<Buffer>,
     lut_knee: f32,
+    gloss: Image,
+    sky: Option<Sky>,
+}
+
+/// Light from all around.
+struct Sky {
+    bands_of: Harmonics,
+    levels: (usize, usize),
+    block: Buffer,
+    picture: Image,
+    bands: Image,
+    sampler: Sampler,
 }
 
 /// A texture made ready on the CPU: all mips in one run of bytes.
@@ -152,11 +172,26 @@ impl Resources {
             _ => None,
         };
         let lut_image = lut_pixels.map(|p| uploads.image(p)).transpose()?;
+        let side = [specular::SIDE as u32; 2];
+        let gloss = uploads.image(texels(
+            "gloss table",
+            vk::Format::R16G16_SFLOAT,
+            side,
+            bytemuck::cast_slice(specular::table()),
+        ))?;
+        let sky = inputs
+            .scene
+            .environment
+            .as_deref()
+            .filter(|_| s.sky)
+            .map(|e| sky(gpu, &mut uploads, e, inputs))
+            .transpose()?;
         uploads.run()?;
 
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let lut_knee = lut.as_ref().map_or(1., |l| l.knee_per_mm as f32);
-        let Constants { frame, lights, shadow_world, kernel } = Constants::of(inputs, s, lut_knee);
+        let Constants { frame, lights, shadow_world, kernel } =
+            Constants::of(inputs, s, lut_knee, most(inputs, sky.as_ref()));
         let kernel = (!kernel.is_empty()).then(|| constants(gpu, "kernel", bytemuck::cast_slice(&kernel), storage));
         let clamp = [vk::SamplerAddressMode::CLAMP_TO_EDGE; 2];
         Ok(Resources {
@@ -176,6 +211,8 @@ impl Resources {
             kernel: kernel.transpose()?,
             gutter,
             lut_knee,
+            gloss,
+            sky,
         })
     }
 
@@ -184,12 +221,17 @@ impl Resources {
     /// # Errors
     /// Where a buffer is not the host's to write.
     pub fn rewrite(&mut self, inputs: &Inputs<'_>, s: &Setup) -> Result<(), FrameError> {
-        let Constants { frame, lights, shadow_world, kernel } = Constants::of(inputs, s, self.lut_knee);
+        let Constants { frame, lights, shadow_world, kernel } =
+            Constants::of(inputs, s, self.lut_knee, most(inputs, self.sky.as_ref()));
         self.frame.write(bytemuck::bytes_of(&frame))?;
         self.lights.write(bytemuck::bytes_of(&lights))?;
         self.shadow_world.write(bytemuck::cast_slice(&shadow_world))?;
         if let Some(buffer) = &mut self.kernel {
             buffer.write(bytemuck::cast_slice(&kernel))?;
+        }
+        if let (Some(sky), Some(environment)) = (&mut self.sky, inputs.scene.environment.as_deref()) {
+            let block = environment::block(environment, &sky.bands_of, sky.levels, inputs);
+            sky.block.write(bytemuck::bytes_of(&block))?;
         }
         Ok(())
     }
@@ -208,6 +250,11 @@ impl Resources {
             "lights" => Bound::Buffer(&self.lights),
             "shadow_world" => Bound::Buffer(&self.shadow_world),
             "no shadow" => Bound::Sampled(&self.no_shadow, &self.nearest),
+            "white" => Bound::Sampled(&self.white, &self.linear),
+            "gloss_table" => Bound::Sampled(&self.gloss, &self.linear),
+            "environment" => Bound::Buffer(&self.sky.as_ref()?.block),
+            "sky" => self.sky.as_ref().map(|s| Bound::Sampled(&s.picture, &s.sampler))?,
+            "bands" => Bound::Sampled(&self.sky.as_ref()?.bands, &self.linear),
             "gutter" => Bound::Buffer(self.gutter.as_ref()?),
             "kernel" => Bound::Buffer(self.kernel.as_ref()?),
             "penumbra" => Bound::Sampled(self.penumbra.as_ref()?, &self.linear),
@@ -242,8 +289,49 @@ fn address(wrap: Wrap) -> vk::SamplerAddressMode {
 }
 
 fn single(name: &str, format: vk::Format, bytes: &[u8]) -> Pixels {
+    texels(name, format, [1, 1], bytes)
+}
+
+fn texels(name: &str, format: vk::Format, size: [u32; 2], bytes: &[u8]) -> Pixels {
     let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
-    Pixels { desc: ImageDesc::new(name, format, [1, 1], usage), bytes: bytes.to_vec(), mips: vec![(0, [1, 1])] }
+    Pixels { desc: ImageDesc::new(name, format, size, usage), bytes: bytes.to_vec(), mips: vec![(0, size)] }
+}
+
+/// The most irradiance that comes from all around.
+fn most(inputs: &Inputs<'_>, sky: Option<&Sky>) -> f32 {
+    match (sky, inputs.scene.environment.as_deref()) {
+        (Some(sky), Some(environment)) => environment::most_irradiance(&sky.bands_of, environment.intensity),
+        _ => of_ambient(&inputs.settings.ambient),
+    }
+}
+
+/// The sky of a scene: its picture with the filtered levels, the table of what scattering leaves of its bands, its constants.
+fn sky(gpu: &Arc<Gpu>, uploads: &mut Upload, from: &Environment, inputs: &Inputs<'_>) -> Result<Sky, FrameError> {
+    let Filtered { sizes, bytes, first } = Filtered::of(from);
+    let gaussians = inputs.profile.as_ref().map_or(Vec::new(), |p| p.gaussians().gaussians);
+    let (bands_of, levels) = (environment::harmonics(from), (first, sizes.len() - 1));
+    let block = environment::block(from, &bands_of, levels, inputs);
+    let mut picture = texels("sky", vk::Format::R16G16B16A16_SFLOAT, sizes[0], &bytes);
+    picture.desc.mips = sizes.len() as u32;
+    let mut start = 0;
+    picture.mips.clear();
+    for size in sizes {
+        picture.mips.push((start, size));
+        start += 8 * u64::from(size[0]) * u64::from(size[1]);
+    }
+    let rows = skin::sky::table(&gaussians, skin::sky::knee(&gaussians));
+    let halves: Vec<half::f16> = rows.iter().flatten().map(|x| half::f16::from_f32(*x)).collect();
+    let size = [skin::sky::TABLE as u32, 2];
+    let bands = texels("bands", vk::Format::R16G16B16A16_SFLOAT, size, bytemuck::cast_slice(&halves));
+    let around = [vk::SamplerAddressMode::REPEAT, vk::SamplerAddressMode::CLAMP_TO_EDGE];
+    Ok(Sky {
+        bands_of,
+        levels,
+        block: constants(gpu, "environment", bytemuck::bytes_of(&block), vk::BufferUsageFlags::UNIFORM_BUFFER)?,
+        picture: uploads.image(picture)?,
+        bands: uploads.image(bands)?,
+        sampler: Sampler::new(gpu, "sky sampler", vk::Filter::LINEAR, around, true)?,
+    })
 }
 
 /// A texture with its mips.

@@ -8,6 +8,7 @@ use super::{FrameError, Inputs};
 use crate::methods::{self, texture_space};
 use crate::scene::{Alpha, Atlas, Camera, Filled, Light, LightKind, Projection, gutter};
 use crate::settings::{Method, Quality, Settings, Spared, Texturing, ToneMap, View};
+use crate::skin::specular::Lobes;
 use glam::Vec3;
 
 /// What becomes of the picture.
@@ -74,6 +75,12 @@ pub struct Setup {
     pub ao: bool,
     /// There is ambient light.
     pub ambient: bool,
+    /// Gloss of two lobes on the profile's materials.
+    pub lobes: Option<Lobes>,
+    /// Light comes from a picture of the sky, instead of from the two ambient colours.
+    pub sky: bool,
+    /// The sky is drawn behind the scene.
+    pub background: bool,
     /// Lights.
     pub lights: u32,
     /// What `shadows` were fitted to.
@@ -154,10 +161,13 @@ impl Setup {
         };
         // What is left out changes no bit of the picture; without leaving out, it runs for nothing.
         let back = |what| settings.brings_back(what);
-        let ambient =
-            back(Spared::Ambient) || settings.ambient.up.iter().chain(&settings.ambient.down).any(|x| *x > 0.);
+        let environment = scene.environment.as_ref().filter(|_| settings.view == View::Final);
+        let sky = environment.is_some_and(|e| e.intensity > 0.);
+        let colors = settings.ambient.up.iter().chain(&settings.ambient.down);
+        let ambient = !sky && (back(Spared::Ambient) || colors.into_iter().any(|x| *x > 0.));
         let lit = matches!(settings.view, View::Final | View::Ao);
-        let ao = lit && ((ambient && !settings.no_ao) || settings.view == View::Ao) && !levels.levels.is_empty();
+        let ao =
+            lit && (((ambient || sky) && !settings.no_ao) || settings.view == View::Ao) && !levels.levels.is_empty();
         let wanted = settings.view == View::Curvature || settings.view == View::SoftCurvature;
         let bent = match settings.method {
             Method::Pdss => blurred,
@@ -233,6 +243,9 @@ impl Setup {
             why_no_curvature,
             ao,
             ambient,
+            lobes: inputs.profile.as_ref().and_then(|p| p.lobes).filter(|_| used(&|m| m.scatter.is_some())),
+            sky,
+            background: environment.is_some_and(|e| e.background.is_some()),
             lights: inputs.lights.len() as u32,
             shining: inputs.lights.clone(),
             all_directional: !back(Spared::Places)
@@ -245,6 +258,26 @@ impl Setup {
     /// Adds the specialization constants of a pass that loops over the lights.
     pub fn specialise_lights(&self, pass: &mut crate::plan::Pass) {
         pass.constant("LIGHTS", self.lights).constant("ALL_DIRECTIONAL", u32::from(self.all_directional));
+    }
+
+    /// Binds what light from all around is read from, or, where there is none, whatever is there anyway: specialised, the shader
+    /// reads none of it.
+    pub fn specialise_sky(&self, pass: &mut crate::plan::Pass) {
+        pass.constant("SKY", u32::from(self.sky));
+        if !self.sky {
+            pass.bind("environment", "frame").bind("sky", "white").bind("bands", "white");
+        }
+    }
+
+    /// Adds the specialization constants of a pass that reflects light.
+    pub fn specialise_gloss(&self, pass: &mut crate::plan::Pass) {
+        pass.constant("FUZZ", self.settings.fuzz.to_bits()).constant("TWO_LOBES", u32::from(self.lobes.is_some()));
+        if let Some(Lobes { roughness: [first, second], mix }) = self.lobes {
+            let bits = |x: f64| (x as f32).to_bits();
+            pass.constant("LOBE_FIRST", bits(first))
+                .constant("LOBE_SECOND", bits(second))
+                .constant("LOBE_MIX", bits(mix));
+        }
     }
 
     /// The picture is made by lighting, not by showing a target.

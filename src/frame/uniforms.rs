@@ -63,6 +63,20 @@ pub struct LightBlock {
     pub light: [LightEntry; MAX_LIGHTS],
 }
 
+/// The block `EnvironmentBlock`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[allow(missing_docs, reason = "each member is documented at its twin in glsl/common/environment.glsl")]
+pub struct EnvironmentBlock {
+    pub sky_from_view: [[f32; 3]; 3],
+    pub intensity: f32,
+    pub first: f32,
+    pub last: f32,
+    pub blur: f32,
+    pub knee: f32,
+    pub harmonic: [[f32; 3]; 9],
+}
+
 /// Push constants of `gbuffer.frag`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

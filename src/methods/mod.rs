@@ -14,7 +14,7 @@ mod wrap;
 use crate::frame::resources::EXTERNAL;
 use crate::frame::setup::Setup;
 use crate::plan::{Plan, PlanError};
-use crate::settings::{Method, Settings};
+use crate::settings::{Method, Settings, View};
 use crate::skin::profile::Profile;
 use crate::stages;
 
@@ -45,6 +45,10 @@ pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
             "the method scatters no light, so colour acts where light leaves",
             0,
         );
+    }
+    stages::background::add(&mut plan, s);
+    if s.settings.view == View::Final && !s.sky {
+        plan.leave_out("environment", "no sky is given: ambient light has two colours", 0);
     }
     if !s.lit_view() {
         stages::view::add(&mut plan, s);

@@ -2,6 +2,7 @@
 
 pub mod canvas;
 pub mod explain;
+pub mod layers;
 pub mod measure;
 pub mod picture;
 pub mod preview;

@@ -175,7 +175,7 @@ pub fn write_bytes(file: &Path, pieces: &[&[u8]]) -> Result<(), PictureError> {
     replace(file, |w| pieces.iter().try_for_each(|p| w.write_all(p)).map_err(ImageError::IoError))
 }
 
-fn check(file: &Path, [width, height]: [u32; 2], got: usize) -> Result<(), PictureError> {
+pub(super) fn check(file: &Path, [width, height]: [u32; 2], got: usize) -> Result<(), PictureError> {
     if got as u64 == u64::from(width) * u64::from(height) {
         Ok(())
     } else {
@@ -191,7 +191,7 @@ fn directory(file: &Path) -> &Path {
 }
 
 /// Writes under a temporary name beside the file and renames, so that nobody ever reads half a picture.
-fn replace<F>(file: &Path, encode: F) -> Result<(), PictureError>
+pub(super) fn replace<F>(file: &Path, encode: F) -> Result<(), PictureError>
 where
     F: FnOnce(&mut BufWriter<&mut std::fs::File>) -> Result<(), ImageError>,
 {

@@ -23,7 +23,8 @@ pub struct Material {
     pub alpha: Alpha,
     /// Whether back faces are drawn, with the normal turned towards the viewer.
     pub double_sided: bool,
-    /// Index of refraction, at least 1, or 0 for a surface that reflects all (KHR_materials_ior); 1.5 if not given.
+    /// Index of refraction, at least 1, or 0 for a surface that reflects all (KHR_materials_ior); 1.5 if not given, and then that of the
+    /// profile where one is assigned.
     pub ior: f32,
     /// Linear radiance that it gives off, not negative; multiplies the texture.
     pub emission: [f32; 3],
@@ -43,6 +44,9 @@ pub struct Material {
 }
 
 impl Material {
+    /// Index of refraction where a file states none.
+    pub const DEFAULT_IOR: f32 = 1.5;
+
     /// A white dielectric of medium roughness, untextured and opaque. (glTF's own default is a metal.)
     pub fn new(name: &str) -> Self {
         Self {
@@ -56,7 +60,7 @@ impl Material {
             occlusion_texture: None,
             alpha: Alpha::Opaque,
             double_sided: false,
-            ior: 1.5,
+            ior: Self::DEFAULT_IOR,
             emission: [0.0; 3],
             emission_texture: None,
             unlit: false,

@@ -9,6 +9,7 @@
 mod atlas;
 mod bake;
 mod camera;
+mod environment;
 mod error;
 mod gltf;
 mod light;
@@ -21,12 +22,14 @@ mod shape_mesh;
 mod tangents;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
 pub use atlas::{Atlas, Filled, Seam, gutter};
 pub(crate) use camera::framing_distance;
 pub use camera::{Camera, Projection};
+pub use environment::Environment;
 pub use error::SceneError;
 pub use light::{Light, LightKind, direction_from};
 pub use material::{Alpha, Filter, Material, Scattering, Texture, Wrap};
@@ -66,6 +69,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Cameras of the file; none for shapes.
     pub cameras: Vec<Camera>,
+    /// Light from all around, instead of the settings' ambient; no file brings it.
+    pub environment: Option<Arc<Environment>>,
     /// What was ignored, repaired or assumed, each once, with counts; for people to read.
     pub warnings: Vec<String>,
 }

@@ -203,6 +203,7 @@ impl Builder {
             textures: Vec::new(),
             lights: Vec::new(),
             cameras: Vec::new(),
+            environment: None,
             warnings: Vec::new(),
         }
     }

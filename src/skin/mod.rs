@@ -16,6 +16,8 @@
 //! | [`burley`] | Burley's normalised diffusion as samples: its inverse distribution, and which one is closest to a profile |
 //! | [`penumbra`] | what the profile makes of a shadow's edge whose penumbra has a known width |
 //! | [`separable`] | the kernel of one separable pair of passes, and what passes through a thin part |
+//! | [`sky`] | irradiance from a whole sky, and what scattering leaves of each of its bands |
+//! | [`specular`] | what gloss takes from diffuse light, one lobe or two |
 //! | [`occlusion`] | how much of the sky a concave patch of known curvature hides |
 //!
 //! Units: millimetres; variances in mm^2; curvatures in 1/mm, convex positive. `mu` is the cosine between the surface
@@ -36,5 +38,7 @@ pub mod profile;
 pub(crate) mod quadrature;
 pub mod ring;
 pub mod separable;
+pub mod sky;
+pub mod specular;
 pub mod sphere;
 pub mod vectors;

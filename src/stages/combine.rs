@@ -21,6 +21,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         .constant("CURVE", s.tone_curve())
         .bind("normal", s.shading_normal())
         .bind("picture", s.picture());
+    s.specialise_gloss(pass);
     if view != View::Final {
         pass.absent("reflected");
     }

@@ -32,6 +32,8 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         .constant("NORMALS", effort.normals - 1)
         .constant("TAPS", effort.taps);
     s.specialise_lights(pass);
+    s.specialise_sky(pass);
+    s.specialise_gloss(pass);
     if s.shadows.matrices.is_empty() {
         pass.bind("shadow", "no shadow");
     }

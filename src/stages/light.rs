@@ -46,6 +46,8 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         }
     }
     s.specialise_lights(pass);
+    s.specialise_sky(pass);
+    s.specialise_gloss(pass);
     for i in 0..MAX_LEVELS {
         if i < levels {
             pass.constant(STRIDES[i], s.levels.levels[i].stride);

@@ -3,6 +3,7 @@
 //!
 //! [`Plan`]: crate::plan::Plan
 
+pub mod background;
 pub mod blur;
 pub mod burley;
 pub mod combine;

@@ -30,6 +30,8 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         .constant("SHADOWS", u32::from(!s.shadows.matrices.is_empty()))
         .constant("AMBIENT", u32::from(s.ambient));
     s.specialise_lights(pass);
+    s.specialise_sky(pass);
+    s.specialise_gloss(pass);
     if s.shadows.matrices.is_empty() {
         pass.bind("shadow", "no shadow");
     }

@@ -44,6 +44,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         .constant("SHEET_BORDER", s.border.to_bits())
         .constant("PRE", u32::from(s.pre_textured()));
     s.specialise_lights(pass);
+    s.specialise_sky(pass);
     if s.shadows.matrices.is_empty() {
         pass.bind("shadow", "no shadow");
     }

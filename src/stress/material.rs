@@ -41,7 +41,7 @@ pub fn furnace(bench: &Bench, method: Method) -> Measured {
     let dark = Spread::of(black.differences(&gloss, |_| true)).max;
     Ok(vec![
         Measure::new("albedo 1: |L - 1|", white.max, grey.max, format!("{white}")),
-        Measure::new("metal: |L - 1|", metal.max, grey.max, format!("{metal}; one bounce of the microfacets, no more")),
+        Measure::new("metal: |L - 1|", metal.max, grey.max, format!("{metal}")),
         Measure::new("albedo 0: - gloss", dark, Spread::of(black.differences(&set.linear(bench)?, |_| true)).max, ""),
     ])
 }

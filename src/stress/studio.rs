@@ -101,7 +101,14 @@ pub fn wax() -> Profile {
 /// A profile of Gaussians: variance in mm^2, weight.
 pub fn mixture(name: &str, list: Vec<(f64, [f64; 3])>) -> Profile {
     let gaussians = list.into_iter().map(|(variance, weight)| Gaussian { variance, weight }).collect();
-    Profile { name: name.into(), source: String::new(), shape: Shape::Gaussians(gaussians), ior: 1.4, albedo: None }
+    Profile {
+        name: name.into(),
+        source: String::new(),
+        shape: Shape::Gaussians(gaussians),
+        ior: 1.5,
+        albedo: None,
+        lobes: None,
+    }
 }
 
 /// Settings of a small picture of `view` by `method`.
@@ -214,6 +221,7 @@ pub fn triangles(name: &str, positions: Vec<[f32; 3]>, normals: Vec<[f32; 3]>, i
         textures: Vec::new(),
         lights: Vec::new(),
         cameras: Vec::new(),
+        environment: None,
         warnings: Vec::new(),
     }
 }

@@ -20,7 +20,14 @@ const QUALITIES: [Quality; 4] = [Quality::Low, Quality::Medium, Quality::High, Q
 pub fn wide() -> Profile {
     let g = |variance: f64, weight: [f64; 3]| Gaussian { variance, weight };
     let list = vec![g(0.2, [0.1, 0.4, 0.6]), g(0.6, [0.2, 0.3, 0.3]), g(1.6, [0.3, 0.2, 0.1]), g(4., [0.4, 0.1, 0.])];
-    Profile { name: "wide".into(), source: String::new(), shape: Shape::Gaussians(list), ior: 1.4, albedo: None }
+    Profile {
+        name: "wide".into(),
+        source: String::new(),
+        shape: Shape::Gaussians(list),
+        ior: 1.4,
+        albedo: None,
+        lobes: None,
+    }
 }
 
 pub fn set(method: Method, quality: Quality, view: View) -> Set {

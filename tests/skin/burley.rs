@@ -28,7 +28,7 @@ fn the_inverse_distribution() {
 }
 
 fn burley(d: [f64; 3]) -> Profile {
-    Profile { name: "b".into(), source: String::new(), shape: Shape::Burley { d }, ior: 1.4, albedo: None }
+    Profile { name: "b".into(), source: String::new(), shape: Shape::Burley { d }, ior: 1.4, albedo: None, lobes: None }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 fn burley(d: [f64; 3]) -> Profile {
     let (name, source) = (String::from("test"), String::new());
-    Profile { name, source, shape: Shape::Burley { d }, ior: 1.4, albedo: None }
+    Profile { name, source, shape: Shape::Burley { d }, ior: 1.4, albedo: None, lobes: None }
 }
 
 #[test]

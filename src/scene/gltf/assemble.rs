@@ -166,6 +166,7 @@ impl Wardrobe {
             textures: std::mem::take(&mut self.textures),
             lights: Vec::new(),
             cameras: Vec::new(),
+            environment: None,
             warnings: Vec::new(),
         };
         let mut by_material: Vec<Vec<BakedPrimitive>> = Vec::new();

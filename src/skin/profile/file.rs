@@ -1,6 +1,7 @@
 //! Profiles as data: the built-in ones and the reader of their TOML files.
 
 use super::{Gaussian, Profile, Shape};
+use crate::skin::specular::Lobes;
 use serde::Deserialize;
 use std::ops::Range;
 use std::path::Path;
@@ -74,6 +75,14 @@ struct File {
     burley_d_mm: Option<Spanned<[f64; 3]>>,
     sigma_s_prime_per_mm: Option<Spanned<[f64; 3]>>,
     sigma_a_per_mm: Option<Spanned<[f64; 3]>>,
+    specular: Option<Spanned<Specular>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Specular {
+    roughness: [f64; 2],
+    mix: f64,
 }
 
 #[derive(Deserialize)]
@@ -113,6 +122,13 @@ pub(super) fn parse(text: &str, path: &str, stem: &str) -> Result<Profile, Profi
     {
         return Err(reader.error(albedo.span(), format!("albedo is {:?}, it must lie in 0..1", albedo.get_ref())));
     }
+    if let Some(specular) = &file.specular {
+        let Specular { roughness, mix } = specular.get_ref();
+        if !roughness.iter().all(|r| (0.1..=4.0).contains(r)) || !(0.0..=1.0).contains(mix) {
+            let problem = format!("specular is roughness {roughness:?}, mix {mix}: they must lie in 0.1..4 and 0..1");
+            return Err(reader.error(specular.span(), problem));
+        }
+    }
     let shape = reader.shape(&file)?;
     Ok(Profile {
         name: file.name.unwrap_or_else(|| stem.to_owned()),
@@ -120,6 +136,10 @@ pub(super) fn parse(text: &str, path: &str, stem: &str) -> Result<Profile, Profi
         shape,
         ior: file.ior.map_or(DEFAULT_IOR, Spanned::into_inner),
         albedo: file.albedo.map(Spanned::into_inner),
+        lobes: file.specular.map(|s| {
+            let Specular { roughness, mix } = s.into_inner();
+            Lobes { roughness, mix }
+        }),
     })
 }
 

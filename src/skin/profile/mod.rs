@@ -10,8 +10,10 @@
 //! ```toml
 //! name = "my wax"              # optional: else the file's stem
 //! source = "author year, page" # optional
-//! ior = 1.4                    # optional: else 1.4
+//! ior = 1.4                    # optional: else 1.4; gives F0 .028 to materials that say nothing of their own
 //! albedo = [0.8, 0.6, 0.5]     # optional, except with the third shape
+//! # Optional: gloss of two lobes. Factors on the material's roughness, each 0.1..4, and the second lobe's share, 0..1.
+//! specular = { roughness = [0.75, 1.3], mix = 0.15 }
 //!
 //! # 1. Gaussians exp(-r^2/2v)/(2 pi v). Weights that do not sum to 1 in a channel are scaled to.
 //! gaussians = [{ variance_mm2 = 0.2, weight = [0.4, 1.0, 1.0] }, { variance_mm2 = 2.0, weight = [0.6, 0.0, 0.0] }]
@@ -30,6 +32,7 @@ pub use file::ProfileError;
 pub use fit::{Fit, MAX_LEVELS};
 pub use volume::single_albedo;
 
+use super::specular::Lobes;
 use std::f64::consts::{PI, TAU};
 
 /// One Gaussian of a profile, weight * exp(-r^2 / 2 variance) / (2 pi variance).
@@ -66,6 +69,8 @@ pub struct Profile {
     pub ior: f64,
     /// Diffuse albedo 0..1 where the source states one.
     pub albedo: Option<[f64; 3]>,
+    /// Two lobes of gloss instead of one.
+    pub lobes: Option<Lobes>,
 }
 
 /// The energy within [`Profile::max_radius_mm`].

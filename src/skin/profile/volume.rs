@@ -29,6 +29,7 @@ impl Profile {
             shape: Shape::Burley { d: std::array::from_fn(d) },
             ior,
             albedo: Some(volume.multiscatter),
+            lobes: None,
         }
     }
 }
