@@ -157,6 +157,9 @@ const CASES: [(Method, f64, &str); 4] = [
     (Method::TextureSpace, 0.01, "the sum of Gaussians itself"),
 ];
 
+/// These scatter by the surface's shape alone: on a plane a point of light stays one, whatever the quality.
+const STILL: [Method; 4] = [Method::Preintegrated, Method::Pdss, Method::Moments, Method::Wrap];
+
 /// Lines of a plot: a name and its rings.
 pub type Curves = Vec<(String, Vec<[f64; 3]>)>;
 
@@ -164,7 +167,17 @@ pub fn check(gpu: &Arc<Gpu>) -> (Vec<String>, Curves) {
     let (mut wrong, mut curves) = (Vec::new(), Curves::new());
     let light = set(Method::Lambert, Quality::Low, View::Irradiance).linear(gpu);
     let fine = set_of(Method::Lambert, Quality::Low, View::Irradiance, FINER * SIZE).linear(gpu);
-    curves.push(("profile".into(), rings(&spread(&light, &|x, y| claims(Method::Gaussians, x, y, 1.)))));
+    let profile = spread(&light, &|x, y| claims(Method::Gaussians, x, y, 1.));
+    curves.push(("profile".into(), rings(&profile)));
+    for method in STILL {
+        let picture = set(method, Quality::High, View::Scatter).linear(gpu);
+        let (off, wide) = (misplaced(&picture, &light), misplaced(&picture, &profile));
+        println!("{method:?}: {off:.4} of the light misplaced, limit the point itself; against the profile {wide:.4}");
+        if off > 0.01 || wide < 0.1 {
+            wrong.push(format!("{method:?}: {off}, against the profile {wide}"));
+        }
+        curves.push((format!("{method:?}, high"), rings(&picture)));
+    }
     for (method, bound, limit) in CASES {
         // Texels over texture coordinates are not pixels: what they see of a spot of a few pixels is nearer to the spot itself.
         let spread = |stretch: f64| {
