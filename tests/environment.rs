@@ -3,8 +3,9 @@
 mod studio;
 
 use glam::{Mat3, Vec3};
+use pdss::frame::Renderer;
 use pdss::gpu::Gpu;
-use pdss::scene::{Environment, Light, LightKind, SceneError};
+use pdss::scene::{Alpha, Environment, Light, LightKind, SceneError};
 use pdss::settings::{Ambient, Method, Quality, View};
 use pdss::skin::profile::Profile;
 use pdss::skin::sky::direction;
@@ -191,6 +192,40 @@ fn turning_the_sky_is_turning_eye_and_object_back_and_light_is_linear() {
         println!("{method:?}: three times the light over three {off:.1e}");
         assert!(off < 2e-3);
     }
+    studio::close(gpu);
+}
+
+#[test]
+fn another_eye_sees_the_same_sky_without_recording() {
+    let gpu = studio::open();
+    for method in METHODS {
+        let here = colored(ball(method, Some(sky(gentle))), 0.8, 0.3, 0.4);
+        let mut there = here.clone();
+        there.camera = pdss::scene::Camera::orbit(120., 30., 90., None, 30., &there.scene);
+        let (first, fresh) = (here.linear(&gpu), there.linear(&gpu));
+        let mut renderer = Renderer::new(&gpu, here.inputs()).expect("a frame");
+        assert!(renderer.look(&there.inputs()).expect("a plan"), "{method:?}");
+        renderer.run().expect("it runs");
+        let seen = Picture { texels: renderer.linear().expect("a picture"), ..fresh.clone() };
+        let (off, moved) = (apart(&seen, &fresh), apart(&seen, &first));
+        println!("{method:?}: {off:.1e} from a fresh frame, {moved:.2} from the first");
+        assert!(off == 0. && moved > 0.05, "{method:?}");
+    }
+    studio::close(gpu);
+}
+
+#[test]
+fn what_is_blended_is_lit_by_the_sky_as_what_is_not() {
+    let gpu = studio::open();
+    let opaque = colored(ball(Method::Lambert, Some(sky(gentle))), 0.8, 0., 0.5);
+    let mut blended = opaque.clone();
+    change(&mut blended, |scene| scene.materials.iter_mut().for_each(|m| m.alpha = Alpha::Blend));
+    let mut dark = blended.clone();
+    change(&mut dark, |scene| scene.environment = None);
+    let want = opaque.linear(&gpu);
+    let (off, wrong) = (apart(&blended.linear(&gpu), &want), apart(&dark.linear(&gpu), &want));
+    println!("blended against opaque {off:.1e}; without the sky {wrong:.2}");
+    assert!(off < 5e-3 && wrong > 0.1);
     studio::close(gpu);
 }
 
