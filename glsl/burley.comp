@@ -43,7 +43,7 @@ void main() {
         return;
     }
     // A channel that scatters nothing has a d of 0: no sample weighs anything, and it keeps its light.
-    vec3 per_d = 1. / max(d.rgb, 1e-12 * d.w), fall = -.48089835 * per_d;
+    vec3 per_d = 1. / max(d.rgb, 1e-12 * d.w), fall = -.48089835 * per_d, to_widest = d.w * per_d;
     float widest_fall = -.48089835 / d.w;
     // Interleaved gradient noise (Jimenez 2014).
     float turn = 2. * PI * fract(52.9829189 * fract(dot(vec2(pixel), vec2(.06711056, .00583715))));
@@ -59,7 +59,7 @@ void main() {
         // R is (t^3 + t) / (8 pi d r), t = e^{-r/3d}.
         vec3 t = exp2(max(fall * distance, -100.));
         float s = exp2(max(widest_fall * r, -100.));
-        vec3 w = (t * t * t + t) * per_d * (r / (distance * (s * s * s + s)));
+        vec3 w = (t * t * t + t) * to_widest * (r / (distance * (s * s * s + s)));
         sum += w * imageLoad(irradiance, at).rgb;
         weights += w;
     }
