@@ -26,7 +26,7 @@ fn inputs(scene: &Scene, method: Method, size: [u32; 2]) -> Inputs<'_> {
         scene,
         camera: Camera::orbit(20., 30., 60., None, 30., scene),
         lights: vec![Light::directional(60., 25., 1.), Light::directional(-70., 10., 0.2)],
-        profile: Some(profile("skin")),
+        profiles: vec![profile("skin")],
         settings: Settings {
             method,
             quality: Quality::High,

@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 camera: Camera::default_for(&scene, 30., f64::from(size.width) / f64::from(size.height)),
                 scene: &scene,
                 lights: vec![Light::directional(60., 25., 1.), Light::directional(-70., 10., 0.2)],
-                profile: Some(profile),
+                profiles: vec![profile],
                 settings,
                 timing: Some(TimingMode::Isolated),
                 output: Output::Ldr,

@@ -56,7 +56,7 @@ fn frame(gpu: &Arc<Gpu>, scene: &Scene, size: Size, kernels: Kernels) -> Fallibl
         // Close enough that the sphere fills the picture.
         camera: Camera::orbit(0., 0., 110., None, 30., scene),
         lights: vec![Light::directional(60., 25., 1.)],
-        profile: Some(Profile::resolve("skin")?),
+        profiles: vec![Profile::resolve("skin")?],
         settings: Settings { kernels, size, no_shadows: true, ..Settings::default() },
         timing: Some(TimingMode::Isolated),
         output: Output::Ldr,

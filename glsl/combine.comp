@@ -17,6 +17,7 @@
 layout(constant_id = 0) const int OUTPUT = OUTPUT_FINAL;
 layout(constant_id = 1) const bool PRE = false;          // irradiance already holds the square root of the colour
 layout(constant_id = 2) const int CURVE = 0;             // 0 Khronos PBR Neutral, 1 sRGB alone, 2 linear
+layout(constant_id = 3) const bool OWN = false;          // of several profiles, not the first: what does not scatter is another's
 
 layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
 layout(set = 0, binding = 3, r32ui) uniform readonly uimage2D normal;
@@ -31,6 +32,7 @@ void main() {
     ivec2 pixel = tile_pixel();
     if (any(greaterThanEqual(pixel, frame.size))) return;
     float z = imageLoad(viewz, pixel).x;
+    if (OWN && z >= 0.) return;
     if (z == 0.) {
         // The rest of a tile that holds some surface.
         imageStore(picture, pixel, vec4(0.));

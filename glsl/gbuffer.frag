@@ -1,6 +1,6 @@
 // gbuffer: meshes -> depth, viewz, normal, albedo, material, bumped.
 //
-// viewz    R32F      distance along the view axis, mm; negated where the surface scatters
+// viewz    R32F      distance along the view axis, mm; negated where the surface scatters; lowest three bits: its profile, if there are several
 // normal   R32_UINT  interpolated normal, without the normal map: curvature is measured on it
 // albedo   RGBA8     rgb square root of linear base colour (more steps in the dark), a 1 where the material has the profile
 // material RGBA8     r roughness, g metallic, b occlusion, a square root of F0
@@ -18,6 +18,9 @@
 #endif
 
 #include "common/material.glsl"
+#include "common/profile_code.glsl"
+
+layout(constant_id = 12) const bool SEVERAL = false;   // several profiles scatter
 
 layout(location = 0) in vec3 view_normal;
 layout(location = 1) in vec2 uv;
@@ -52,6 +55,7 @@ void main() {
     if (NORMAL_MAP) b = material_bumped(n, view_tangent, texture(normal_map, uv).xyz, gl_FrontFacing);
 
     viewz = push.scatter > 0. ? -view_distance : view_distance;
+    if (SEVERAL) viewz = profile_encode(viewz, push.profile);
     normal = octahedral_encode(n);
     albedo = vec4(sqrt(clamp(base.rgb, 0., 1.)), abs(push.scatter));
     material = vec4(material_rough_metal(uv), material_occlusion(uv), sqrt(push.reflectance));

@@ -47,6 +47,7 @@ layout(constant_id = 14) const int CURVE = 0;              // 0 Khronos PBR Neut
 layout(constant_id = 15) const bool MASS = false;        // light with a slot is gathered from level FIRST on
 layout(constant_id = 16) const int FIRST = 0;
 layout(constant_id = 13) const bool STRIDED = false;     // some level is coarser than the picture
+layout(constant_id = 17) const bool OWN = false;         // of several profiles, not the first: what does not scatter is another's
 
 layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
 layout(set = 0, binding = 3, r32ui) uniform readonly uimage2D normal;
@@ -150,6 +151,7 @@ void main() {
     ivec2 pixel = tile_pixel();
     if (any(greaterThanEqual(pixel, frame.size))) return;
     float z = imageLoad(viewz, pixel).x;
+    if (OWN && z >= 0.) return;
     if (z == 0.) {
         // The rest of a tile that holds some surface.
         imageStore(picture, pixel, vec4(0.));

@@ -11,6 +11,7 @@ layout(constant_id = 0) const int STRIDE = 1;
 layout(constant_id = 1) const bool SURFACE = true;
 layout(constant_id = 2) const bool SCATTER = true;
 layout(constant_id = 3) const bool EVERY = false;   // leave no tile out
+layout(constant_id = 4) const bool OWN = false;     // surface that does not scatter is another's
 
 layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
 layout(set = 0, binding = 3, scalar) buffer SurfaceTiles { uvec3 dispatch; uint pad; uint tile[]; } surface_tiles;
@@ -33,6 +34,6 @@ void main() {
         }
     }
     uint code = uint(tile.y) << 16 | uint(tile.x);
-    if (SURFACE && (EVERY || lowest < 0. || highest > 0.)) surface_tiles.tile[atomicAdd(surface_tiles.dispatch.x, 1u)] = code;
+    if (SURFACE && (EVERY || lowest < 0. || !OWN && highest > 0.)) surface_tiles.tile[atomicAdd(surface_tiles.dispatch.x, 1u)] = code;
     if (SCATTER && (EVERY || lowest < 0.)) scatter_tiles.tile[atomicAdd(scatter_tiles.dispatch.x, 1u)] = code;
 }

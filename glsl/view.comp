@@ -19,11 +19,13 @@ layout(set = 0, binding = 4, r32ui) uniform readonly uimage2D source;
 layout(set = 0, binding = 4, rg32ui) uniform readonly uimage2D source;
 #endif
 layout(constant_id = 1) const int STRIDE = 1;       // pixels per texel of the source
+layout(constant_id = 2) const bool OWN = false;     // of several profiles, not the first: what does not scatter is another's
 
 void main() {
     ivec2 pixel = tile_pixel();
     if (any(greaterThanEqual(pixel, frame.size))) return;
     float signed_z = imageLoad(viewz, pixel).x;
+    if (OWN && signed_z >= 0.) return;
     if (signed_z == 0.) {
         imageStore(exr, pixel, vec4(0.));
         return;

@@ -48,6 +48,6 @@ pub const TARGETS: &[Target] = &[
 
 /// The line of a target; numbers at the end of a name do not matter.
 pub fn describe(name: &str) -> Option<&'static Target> {
-    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let stem = name.split('@').next().unwrap_or(name).trim_end_matches(|c: char| c.is_ascii_digit());
     TARGETS.iter().find(|t| t.name == stem)
 }

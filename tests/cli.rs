@@ -53,6 +53,8 @@ fn bad_usage_and_bad_input_exit_with_2_and_say_why() -> Outcome {
         (render(&["--profile", "adamantium"]), "skin"),
         (render(&["--profile", "no-such-file.toml"]), "no-such-file.toml"),
         (render(&["--profile", "skin", "--profile-material", "nobody"]), "nobody"),
+        (render(&["--profile-material", "Hair=adamantium"]), "adamantium"),
+        (render(&["--profile-material", "nobody=marble"]), "'Hair'"),
         (render(&["--size", "640"]), "640"),
         (render(&["--size", "0x480"]), "0x480"),
         (render(&["--method", "magic"]), "lambert"),

@@ -69,6 +69,7 @@ fn twin(shader: &Shader, block: &Block) -> Option<Layout> {
             reflectance,
             scatter,
             emission,
+            profile,
         }),
         ("blur" | "translucent", "Push") => single("variance"),
         ("shadow", "Push") => single("layer"),

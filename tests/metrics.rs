@@ -145,8 +145,8 @@ fn concave(
     scene.assign_profile(None, 0)?;
     let camera = Camera::orbit(camera[0], camera[1], camera[2], None, 30., &scene);
     let settings = Settings { size: Size { width: 96, height: 96 }, no_shadows: true, ..Settings::default() };
-    let (lights, profile) = (vec![Light::directional(20., 30., 1.)], Some(Profile::resolve("skin")?));
-    let inputs = Inputs { scene: &scene, camera, lights, profile, settings, timing: None, output: Output::Linear };
+    let (lights, profiles) = (vec![Light::directional(20., 30., 1.)], vec![Profile::resolve("skin")?]);
+    let inputs = Inputs { scene: &scene, camera, lights, profiles, settings, timing: None, output: Output::Linear };
     let effort = Effort { samples: 100_000, max_error: 1., ..Effort::default() };
     let truth = truth::solve(&inputs, None, &effort, |_| ())?;
     let surface =

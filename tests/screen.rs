@@ -7,6 +7,8 @@ mod halo;
 mod plot;
 #[path = "screen/point.rs"]
 mod point;
+#[path = "screen/profiles.rs"]
+mod profiles;
 #[path = "screen/sphere.rs"]
 mod sphere;
 #[path = "screen/texture.rs"]
@@ -41,5 +43,12 @@ fn what_stands_behind_leaves_no_band() {
 fn colour_before_and_after() {
     let gpu = studio::open();
     assert_eq!(texture::check(&gpu), Vec::<String>::new());
+    studio::close(gpu);
+}
+
+#[test]
+fn profiles_that_touch_do_not_bleed() {
+    let gpu = studio::open();
+    assert_eq!(profiles::check(&gpu), Vec::<String>::new());
     studio::close(gpu);
 }

@@ -49,9 +49,9 @@ fn solve(ask: &Asked<'_>) -> Result<Solved, Box<dyn std::error::Error>> {
     let light = ask.other.clone().unwrap_or_else(|| Light::directional(ask.light[0], ask.light[1], 1.));
     let settings =
         Settings { size: Size { width: SIZE, height: SIZE }, no_shadows: !ask.shadows, ..Settings::default() };
-    let profile = Some(ask.profile.clone());
+    let profiles = vec![ask.profile.clone()];
     let inputs =
-        Inputs { scene: &scene, camera, lights: vec![light], profile, settings, timing: None, output: Output::Linear };
+        Inputs { scene: &scene, camera, lights: vec![light], profiles, settings, timing: None, output: Output::Linear };
     let truth = truth::solve(&inputs, ask.window, &ask.effort, |_| ())?;
     let w = truth.window;
     let eye = Eye::new(&inputs.camera, [SIZE; 2], &scene);

@@ -22,7 +22,7 @@ fn solve(file: &Path, yaw: f64, half_way: impl Fn() + Sync) -> Result<Truth, Box
         camera: Camera::orbit(0., 0., 50., None, 30., &scene),
         scene: &scene,
         lights: vec![Light::directional(yaw, 20., 1.)],
-        profile: Some(Profile::resolve("skin")?),
+        profiles: vec![Profile::resolve("skin")?],
         settings,
         timing: None,
         output: Output::Linear,

@@ -18,6 +18,7 @@ layout(push_constant, scalar) uniform Push {
     float reflectance;     // F0 of the dielectric
     float scatter;         // 1 scatters; -1 has the profile, and its gloss, but this frame scatters nothing; 0 has none
     vec3 emission;         // radiance, linear
+    uint profile;          // of several, by which it scatters
 } push;
 
 layout(set = 0, binding = 2) uniform sampler2D base_color_map;

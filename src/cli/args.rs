@@ -1,8 +1,8 @@
 //! What every command that draws is told: the scene, the eye, the lights, the profile, the device.
 
 use super::failure::Failure;
-use super::say;
 use super::sky::Sky;
+use super::{profiles, say};
 use clap::Args;
 use glam::DVec3;
 use pdss::cache::Cache;
@@ -17,8 +17,6 @@ use std::sync::Arc;
 
 /// What is drawn where no scene is named.
 pub const DEFAULT_SCENE: &str = "bust";
-/// How things scatter where no profile is named.
-const DEFAULT_PROFILE: &str = "skin";
 /// Vertical field of view where none is given, degrees.
 const DEFAULT_FOV: f64 = 30.;
 /// Key and fill where neither the command line nor the file has a light: yaw, pitch, irradiance at normal incidence.
@@ -65,14 +63,14 @@ pub struct View {
     lights: Vec<Aim>,
     #[command(flatten)]
     sky: Sky,
-    /// Diffusion profile: a built-in name, a .toml file, or none. Default: what the file says of the inside of its largest
+    /// Diffusion profile: a built-in name, a .toml file, or none. Default: what the file says of the inside of each
     /// scattering material, else skin.
     #[arg(long, value_name = "NAME|FILE")]
     profile: Option<String>,
-    /// The one material that has the profile. Default: those the file says light passes into,
-    /// else every opaque dielectric.
-    #[arg(long, value_name = "NAME")]
-    profile_material: Option<String>,
+    /// A material that has the profile, or, as NAME=PROFILE, one of its own (none: it does not scatter); may be repeated.
+    /// Default: those the file says light passes into, else every opaque dielectric.
+    #[arg(long = "profile-material", value_name = "NAME[=PROFILE]")]
+    profile_materials: Vec<String>,
     /// Millimetres in one unit of the file. Default: 1000.
     #[arg(long, value_name = "X", allow_hyphen_values = true, value_parser = parse_positive)]
     mm_per_unit: Option<f64>,
@@ -115,7 +113,7 @@ pub struct Stage {
     /// Lit by what.
     pub lights: Vec<Light>,
     /// What scatters.
-    pub profile: Option<Profile>,
+    pub profiles: Vec<Profile>,
     /// How.
     pub settings: Settings,
 }
@@ -127,7 +125,7 @@ impl Stage {
             scene: &self.scene,
             camera: self.camera.clone(),
             lights: self.lights.clone(),
-            profile: self.profile.clone(),
+            profiles: self.profiles.clone(),
             settings: self.settings.clone(),
             timing,
             output,
@@ -181,7 +179,7 @@ impl View {
             say(&format!("warning: {}: {warning}", self.scene));
         }
         if self.verbose {
-            let profile = stage.profile.as_ref().map_or("none", |p| p.name.as_str());
+            let profile = Profile::joined(&stage.profiles);
             say(&format!(
                 "{}: {} triangles, {} materials, profile {profile}, camera {}, {} lights",
                 self.scene,
@@ -204,23 +202,14 @@ impl View {
         if options.pose.is_some() && self.scene.starts_with("shape:") {
             return Err(Failure::Input(format!("--animation: {} stands still; a glTF file may move", self.scene)));
         }
-        // A name that is wrong is said before a large file is read.
-        let named = match self.profile.as_deref() {
-            None | Some("none") => None,
-            Some(name) => Some(Profile::resolve(name)?),
-        };
+        let wish = profiles::Wish { profile: self.profile.as_deref(), materials: &self.profile_materials };
+        wish.check()?;
         let mut scene = Scene::open(&self.scene, &options)?;
-        let profile = match &self.profile {
-            Some(_) => named,
-            None => Some(own_profile(&mut scene)?),
-        };
-        if profile.is_some() {
-            scene.assign_profile(self.profile_material.as_deref(), 0)?;
-        }
+        let profiles = wish.assign(&mut scene)?;
         scene.environment = self.sky.load()?.map(Arc::new);
         let camera = self.camera(&scene)?;
         let lights = self.lights(&scene);
-        Ok(Stage { name: self.scene.clone(), scene, camera, lights, profile, settings: self.settings.clone() })
+        Ok(Stage { name: self.scene.clone(), scene, camera, lights, profiles, settings: self.settings.clone() })
     }
 
     /// Opens the device, and refuses a picture that it cannot hold.
@@ -283,19 +272,6 @@ impl View {
         }
         directional(&DEFAULT_LIGHTS)
     }
-}
-
-/// The profile of the scene's own materials; skin where they say nothing.
-fn own_profile(scene: &mut Scene) -> Result<Profile, Failure> {
-    let own = scene.scatterings();
-    let Some((material, volume)) = own.first() else { return Ok(Profile::resolve(DEFAULT_PROFILE)?) };
-    let profile = Profile::of_volume(&material.name, volume, f64::from(material.ior.max(1.)));
-    let others = own.iter().filter(|(_, v)| v != volume).count();
-    if others > 0 {
-        let line = format!("one profile a frame: {others} materials scatter as '{}' does", material.name);
-        scene.warnings.push(line);
-    }
-    Ok(profile)
 }
 
 impl Device {

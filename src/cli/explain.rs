@@ -39,7 +39,7 @@ impl Explain {
         let plan = Renderer::plan_only(&stage.inputs(None, Output::Ldr))?;
         let [width, height] = stage.size();
         let mut words = Explanation::of(&plan, u64::from(width) * u64::from(height));
-        words.profile = stage.profile.as_ref().map(ProfileWords::of);
+        words.profiles = stage.profiles.iter().map(ProfileWords::of).collect();
         if let Some(rounds) = self.measure {
             words.saved_ms = self.saved(&stage, &words, rounds)?;
         }

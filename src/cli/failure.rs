@@ -66,9 +66,10 @@ impl From<FrameError> for Failure {
     fn from(error: FrameError) -> Self {
         match error {
             FrameError::Gpu(error) => error.into(),
-            FrameError::View { .. } | FrameError::Atlas { .. } | FrameError::Lights { .. } => {
-                Failure::Input(line(&error))
-            }
+            FrameError::View { .. }
+            | FrameError::Atlas { .. }
+            | FrameError::Profiles { .. }
+            | FrameError::Lights { .. } => Failure::Input(line(&error)),
             FrameError::Plan(_) => Failure::Run(line(&error)),
         }
     }

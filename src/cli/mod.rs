@@ -10,6 +10,7 @@ mod explain;
 mod failure;
 mod figure1;
 mod profile;
+mod profiles;
 mod progress;
 mod render;
 mod sky;

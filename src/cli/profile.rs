@@ -101,7 +101,7 @@ impl Profile {
         let subject = Subject {
             scene: stage.name.clone(),
             triangles: stage.scene.triangle_count(),
-            profile: stage.profile.as_ref().map(|p| p.name.clone()),
+            profile: (!stage.profiles.is_empty()).then(|| pdss::skin::profile::Profile::joined(&stage.profiles)),
             lights: stage.lights.len(),
             settings: stage.settings.clone(),
             timing: self.timing,

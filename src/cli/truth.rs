@@ -9,6 +9,7 @@ use pdss::frame::Output;
 use pdss::report::picture;
 use pdss::settings::View as Show;
 use pdss::skin::occlusion;
+use pdss::skin::profile::Profile;
 use pdss::truth::ambient;
 use pdss::truth::{self, Checkpoint, Effort, Truth as Answer, Window, metrics};
 use std::path::{Path, PathBuf};
@@ -74,7 +75,7 @@ struct Record<'a> {
     schema: u32,
     method: &'static str,
     scene: &'a str,
-    profile: Option<&'a str>,
+    profile: Option<String>,
     size: [u32; 2],
     window: Window,
     shadows: bool,
@@ -116,10 +117,8 @@ impl Truth {
 
     /// Visibility of the sky by cast rays.
     fn ambient(&self, stage: &Stage) -> Result<(), Failure> {
-        let widest = stage
-            .profile
-            .as_ref()
-            .map_or(0., |p| p.gaussians().gaussians.iter().map(|g| g.variance.sqrt()).fold(0., f64::max));
+        let sigmas = |p: &Profile| p.gaussians().gaussians.into_iter().map(|g| g.variance.sqrt());
+        let widest = stage.profiles.iter().flat_map(sigmas).fold(0., f64::max);
         let radius = self.radius.unwrap_or(occlusion::RADIUS_SIGMAS * widest);
         if radius <= 0. {
             return Err(Failure::Input(
@@ -181,7 +180,7 @@ impl Truth {
             schema: 1,
             method: "truth",
             scene: &stage.name,
-            profile: stage.profile.as_ref().map(|p| p.name.as_str()),
+            profile: (!stage.profiles.is_empty()).then(|| Profile::joined(&stage.profiles)),
             size: stage.size(),
             window: answer.window,
             shadows: !stage.settings.no_shadows,

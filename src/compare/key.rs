@@ -86,7 +86,7 @@ pub fn of_truth(inputs: &Inputs<'_>, effort: &Effort) -> String {
     }
     scene(&mut digest, inputs.scene);
     let s = &inputs.settings;
-    digest.debug(&(&inputs.camera, &inputs.lights, &inputs.profile)).debug(&(s.size, s.no_shadows, effort));
+    digest.debug(&(&inputs.camera, &inputs.lights, &inputs.profiles)).debug(&(s.size, s.no_shadows, effort));
     digest.finish()
 }
 
@@ -156,7 +156,7 @@ mod tests {
                 scene,
                 camera: camera(yaw),
                 lights: vec![Light::directional(light, 0., 1.)],
-                profile: Some(Profile::resolve(profile)?),
+                profiles: vec![Profile::resolve(profile)?],
                 settings: Settings { size, no_shadows, ..Settings::default() },
                 timing: None,
                 output: Output::Linear,

@@ -186,7 +186,7 @@ impl Subject {
             scene: &self.scene,
             camera: self.camera.clone(),
             lights: self.lights.clone(),
-            profile: Some(self.profile.clone()),
+            profiles: vec![self.profile.clone()],
             settings,
             timing: None,
             output,

@@ -5,14 +5,10 @@ use super::brightness::light_unit;
 use super::setup::Setup;
 use super::uniforms::{FrameBlock, LightBlock, MAX_LEVELS};
 
-/// The content of the constant buffers.
+/// The content of the constant buffers of a profile.
 pub struct Constants {
     /// `FrameBlock`.
     pub frame: FrameBlock,
-    /// `LightBlock`.
-    pub lights: LightBlock,
-    /// From the scene's space to each shadow layer's clip space.
-    pub shadow_world: Vec<[[f32; 4]; 4]>,
     /// Rows of `methods::kernel`.
     pub kernel: Vec<[f32; 4]>,
 }
@@ -20,22 +16,25 @@ pub struct Constants {
 impl Constants {
     /// Of these inputs; `lut_knee` is the table's, 1/mm; `sky` the most irradiance that comes from all around.
     pub fn of(inputs: &Inputs<'_>, s: &Setup, lut_knee: f32, sky: f32) -> Constants {
-        let view = inputs.camera.view_from_world();
-        let world = inputs.camera.world_from_view();
-        let mut lights: LightBlock = bytemuck::Zeroable::zeroed();
-        for (entry, (i, light)) in lights.light.iter_mut().zip(inputs.lights.iter().enumerate()) {
-            *entry = s.shadows.entry(i, light, view);
-        }
-        for (matrix, m) in lights.shadow_from_view.iter_mut().zip(&s.shadows.matrices) {
-            *matrix = (*m * world).to_cols_array_2d();
-        }
         Constants {
             frame: frame_block(inputs, s, lut_knee, sky),
-            lights,
-            shadow_world: s.shadows.matrices.iter().map(|m| m.to_cols_array_2d()).collect(),
             kernel: s.kernel.iter().map(|row| row.map(|x| x as f32)).collect(),
         }
     }
+}
+
+/// The lights, and from the scene's space to each shadow layer's clip space.
+pub fn lights_of(inputs: &Inputs<'_>, s: &Setup) -> (LightBlock, Vec<[[f32; 4]; 4]>) {
+    let view = inputs.camera.view_from_world();
+    let world = inputs.camera.world_from_view();
+    let mut lights: LightBlock = bytemuck::Zeroable::zeroed();
+    for (entry, (i, light)) in lights.light.iter_mut().zip(inputs.lights.iter().enumerate()) {
+        *entry = s.shadows.entry(i, light, view);
+    }
+    for (matrix, m) in lights.shadow_from_view.iter_mut().zip(&s.shadows.matrices) {
+        *matrix = (*m * world).to_cols_array_2d();
+    }
+    (lights, s.shadows.matrices.iter().map(|m| m.to_cols_array_2d()).collect())
 }
 
 fn frame_block(inputs: &Inputs<'_>, s: &Setup, lut_knee: f32, sky: f32) -> FrameBlock {

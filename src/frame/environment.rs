@@ -3,6 +3,7 @@
 use super::Inputs;
 use super::uniforms::EnvironmentBlock;
 use crate::scene::Environment;
+use crate::skin::profile::Profile;
 use crate::skin::sky::{self, Harmonics};
 use crate::skin::specular::half_vector_cosine;
 use glam::Vec3;
@@ -60,14 +61,23 @@ impl Filtered {
     }
 }
 
+/// What is known of a sky, whatever scatters under it.
+pub struct Bands {
+    /// Its light, in its own axes.
+    pub harmonics: Harmonics,
+    /// Levels of its picture for roughness 0 and 1.
+    pub levels: (usize, usize),
+}
+
 /// The constants: the sky's bands turned into view space, and how the levels are read.
 pub fn block(
     environment: &Environment,
-    sky: &Harmonics,
-    (first, last): (usize, usize),
+    bands: &Bands,
     inputs: &Inputs<'_>,
+    profile: Option<&Profile>,
 ) -> EnvironmentBlock {
-    let gaussians = inputs.profile.as_ref().map_or(Vec::new(), |p| p.gaussians().gaussians);
+    let Bands { harmonics: sky, levels: (first, last) } = bands;
+    let gaussians = profile.map_or(Vec::new(), |p| p.gaussians().gaussians);
     let view_from_world = inputs.camera.view_from_world();
     let view = glam::DMat3::from_mat4(view_from_world.as_dmat4());
     let sky_from_view = environment.sky_from_world() * view.transpose();
@@ -77,9 +87,9 @@ pub fn block(
     EnvironmentBlock {
         sky_from_view: sky_from_view.as_mat3().to_cols_array_2d(),
         intensity: environment.intensity as f32,
-        first: first as f32,
-        last: last as f32,
-        blur: environment.background.unwrap_or(0.) * last as f32,
+        first: *first as f32,
+        last: *last as f32,
+        blur: environment.background.unwrap_or(0.) * *last as f32,
         knee: sky::knee(&gaussians) as f32,
         harmonic: harmonic.map(|v| v.map(|x| (x * environment.intensity) as f32)),
     }

@@ -3,6 +3,7 @@
 pub mod brightness;
 mod constants;
 mod environment;
+mod inside;
 pub mod levels;
 mod mass;
 mod overlay;
@@ -10,6 +11,7 @@ pub mod resources;
 pub mod setup;
 pub mod shadows;
 pub mod uniforms;
+mod upload;
 
 mod record;
 
@@ -56,6 +58,12 @@ pub enum FrameError {
         /// What is wrong and what would be right.
         why: String,
     },
+    /// More profiles than a pixel tells apart.
+    #[error("{count} profiles in one frame; the limit is {max}", max = uniforms::MAX_PROFILES)]
+    Profiles {
+        /// How many there are.
+        count: usize,
+    },
     /// More lights than the uniform block holds.
     #[error("{count} lights; the limit is {max}", max = uniforms::MAX_LIGHTS)]
     Lights {
@@ -72,8 +80,8 @@ pub struct Inputs<'a> {
     pub camera: Camera,
     /// The lights, in order of importance: the first two have their shadows scattered.
     pub lights: Vec<Light>,
-    /// How the scattering materials scatter; none: nothing does.
-    pub profile: Option<Profile>,
+    /// How the scattering materials scatter, by their own index ([`Material::scatter`]); none: nothing does.
+    pub profiles: Vec<Profile>,
     /// Everything else.
     pub settings: Settings,
     /// Timestamps, if wanted.
@@ -109,7 +117,7 @@ pub struct Renderer {
     // Never read again, but the recorded commands use them: they live as long.
     _pipelines: Vec<Pipeline>,
     resources: Resources,
-    setup: Setup,
+    setups: Vec<Setup>,
     size: [u32; 2],
     output: Output,
     times: CpuTimes,
@@ -133,8 +141,10 @@ impl Renderer {
     pub fn edited(gpu: &Arc<Gpu>, inputs: Inputs<'_>, edit: impl FnOnce(&mut Plan)) -> Result<Renderer, FrameError> {
         let mut times = CpuTimes::default();
         let start = Instant::now();
-        let setup = Setup::new(&inputs)?;
-        let mut plan = methods::plan(&setup)?;
+        let setups = Setup::all(&inputs)?;
+        let mut plan = methods::plan(&setups)?;
+        // What all profiles share, each of them knows.
+        let setup = &setups[0];
         plan.fit(|desc| {
             let asked = gpu.requirements(desc);
             Need { bytes: asked.size, alignment: asked.alignment, types: asked.memory_type_bits }
@@ -142,7 +152,7 @@ impl Renderer {
         edit(&mut plan);
         times.plan_ms = milliseconds(start);
         let start = Instant::now();
-        let resources = Resources::new(gpu, &inputs, &setup)?;
+        let resources = Resources::new(gpu, &inputs, &setups)?;
         times.upload_ms = milliseconds(start);
         let images = create_images(gpu, &plan)?;
         let mut buffers = BTreeMap::new();
@@ -172,8 +182,8 @@ impl Renderer {
             draws: &draws,
             overlay: &overlay,
             index_count: inputs.scene.indices.len() as u32,
-            scatters: setup.scatters,
-            ior: inputs.profile.as_ref().map(|p| p.ior),
+            scatters: setups.iter().any(|s| s.scatters),
+            profiles: &inputs.profiles,
         };
         let recorded = record::record(gpu, timer, &world)?;
         times.record_ms = milliseconds(start);
@@ -187,7 +197,7 @@ impl Renderer {
             resources,
             size: setup.size,
             output: setup.output,
-            setup,
+            setups,
             times,
             gpu: gpu.clone(),
         })
@@ -198,7 +208,7 @@ impl Renderer {
     /// # Errors
     /// Where a view cannot be shown.
     pub fn plan_only(inputs: &Inputs<'_>) -> Result<Plan, FrameError> {
-        Ok(methods::plan(&Setup::new(inputs)?)?)
+        Ok(methods::plan(&Setup::all(inputs)?)?)
     }
 
     /// The frame, decided.
@@ -227,16 +237,19 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::new`].
     pub fn look(&mut self, inputs: &Inputs<'_>) -> Result<bool, FrameError> {
-        let setup = Setup::after(Some(&self.setup), inputs)?;
-        let plan = methods::plan(&setup)?;
-        let same = self.setup.levels == setup.levels
-            && self.setup.kernel.len() == setup.kernel.len()
-            && (&self.setup.overlay.draws, &self.setup.overlay.indices)
-                == (&setup.overlay.draws, &setup.overlay.indices)
+        let setups = Setup::after(&self.setups, inputs)?;
+        let plan = methods::plan(&setups)?;
+        let alike = |(a, b): (&Setup, &Setup)| {
+            a.levels == b.levels
+                && a.kernel.len() == b.kernel.len()
+                && (&a.overlay.draws, &a.overlay.indices) == (&b.overlay.draws, &b.overlay.indices)
+        };
+        let same = self.setups.len() == setups.len()
+            && self.setups.iter().zip(&setups).all(alike)
             && self.plan.records_as(&plan);
         if same {
-            self.resources.rewrite(inputs, &setup)?;
-            self.setup = setup;
+            self.resources.rewrite(inputs, &setups)?;
+            self.setups = setups;
         }
         Ok(same)
     }

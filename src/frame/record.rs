@@ -11,8 +11,9 @@ use crate::gpu::submit::Recorded;
 use crate::gpu::timing::Timer;
 use crate::gpu::usage::{Barrier, State, Usage};
 use crate::gpu::{Buffer, Gpu, GpuError, Image};
-use crate::plan::{Domain, Geometry, Pass, Plan, Work};
+use crate::plan::{Domain, Geometry, Pass, Plan, Work, of_profile};
 use crate::scene::{Alpha, Draw, Material};
+use crate::skin::profile::Profile;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 use rayon::prelude::*;
@@ -28,6 +29,8 @@ struct Class {
     /// Asked by the overlay alone, like the last map: other passes draw all such materials alike.
     unlit: bool,
     blended: bool,
+    /// Profile, asked by passes in which it matters.
+    profile: Option<usize>,
 }
 
 /// Pipeline of each pass, or of each class of material in it.
@@ -58,11 +61,11 @@ pub struct World<'a> {
     pub index_count: u32,
     /// Scattering materials are marked.
     pub scatters: bool,
-    /// The profile's index of refraction, for its materials that state none.
-    pub ior: Option<f64>,
+    /// How they scatter, and how light is refracted into those that do not say.
+    pub profiles: &'a [Profile],
 }
 
-fn class(material: &Material, geometry: Geometry) -> ClassKey {
+fn class(material: &Material, geometry: Geometry, pass: &Pass) -> ClassKey {
     let over = geometry == Geometry::Overlay;
     let [base, rough, normal, occlusion, emission] = maps(material).map(|m| m.is_some());
     ClassKey(Class {
@@ -71,12 +74,20 @@ fn class(material: &Material, geometry: Geometry) -> ClassKey {
         double_sided: material.double_sided,
         unlit: over && material.unlit,
         blended: over && material.alpha == Alpha::Blend,
+        profile: profile(material, pass),
     })
+}
+
+/// The profile whose constants and tables a draw takes in a pass that draws materials of several.
+fn profile(material: &Material, pass: &Pass) -> Option<usize> {
+    let known = |k: &usize| pass.each.iter().any(|(of, _)| of == k);
+    pass.each.first().map(|(first, _)| material.scatter.filter(known).unwrap_or(*first))
 }
 
 /// What a pass draws of the scene: blended materials are drawn over the picture alone.
 fn drawn<'a>(
     geometry: Geometry,
+    of: Option<usize>,
     draws: &'a [(Draw, &'a Material)],
     overlay: &'a [(Draw, &'a Material)],
 ) -> impl Iterator<Item = &'a (Draw, &'a Material)> {
@@ -84,7 +95,7 @@ fn drawn<'a>(
     list.iter().filter(move |(d, m)| {
         let here = match geometry {
             Geometry::Overlay => true,
-            Geometry::Unwrapped => m.scatter.is_some() && m.alpha != Alpha::Blend,
+            Geometry::Unwrapped => m.scatter.is_some_and(|k| of.is_none_or(|of| of == k)) && m.alpha != Alpha::Blend,
             Geometry::Depth | Geometry::Casters | Geometry::Materials => m.alpha != Alpha::Blend,
         };
         d.index_count > 0 && here
@@ -124,13 +135,17 @@ pub fn pipelines(
                 jobs.push((pass, pass.constants.clone(), vk::CullModeFlags::NONE));
             }
             Work::Raster { geometry, .. } => {
-                for (_, material) in drawn(*geometry, draws, overlay) {
-                    let key = class(material, *geometry);
+                for (_, material) in drawn(*geometry, pass.profile, draws, overlay) {
+                    let key = class(material, *geometry, pass);
                     if map.contains_key(&Some(key)) {
                         continue;
                     }
-                    let Class { maps, masked, double_sided, unlit, blended } = key.0;
+                    let Class { maps, masked, double_sided, unlit, blended, profile } = key.0;
                     let mut constants = pass.constants.clone();
+                    if let Some((_, own)) = pass.each.iter().find(|(of, _)| Some(*of) == profile) {
+                        constants.retain(|(name, _)| own.iter().all(|(n, _)| n != name));
+                        constants.extend(own);
+                    }
                     let names = ["BASE_MAP", "ROUGH_MAP", "NORMAL_MAP", "OCCLUSION_MAP", "EMISSION_MAP"];
                     constants.extend(names.into_iter().zip(maps).map(|(n, m)| (n, u32::from(m))));
                     let kinds = [("ALPHA_MASK", masked), ("UNLIT", unlit), ("BLEND", blended)];
@@ -171,12 +186,12 @@ pub fn record(gpu: &Arc<Gpu>, timer: Option<Timer>, world: &World<'_>) -> Result
         match &pass.work {
             Work::Compute { domain, .. } => {
                 let pipeline = world.pipeline(index, None)?;
-                let find = |name: &str| world.find(pass, name, &[None; 5]);
+                let find = |name: &str| world.find_of(pass, name, &[None; 5], None);
                 match domain {
                     Domain::Threads(threads) => open.dispatch_over(pipeline, *threads, &pass.push, find)?,
                     Domain::Tiles(list) => {
                         let missing = || GpuError::Misuse(format!("{}: no list {list}", pass.name));
-                        let arguments = world.buffers.get(*list).ok_or_else(missing)?;
+                        let arguments = world.buffers.get(list).ok_or_else(missing)?;
                         open.dispatch_indirect(pipeline, (arguments, 0), &pass.push, find)?;
                     }
                 }
@@ -194,21 +209,22 @@ pub fn record(gpu: &Arc<Gpu>, timer: Option<Timer>, world: &World<'_>) -> Result
                 match geometry {
                     Geometry::Depth if world.index_count > 0 => {
                         let pipeline = world.pipeline(index, None)?;
-                        let find = |name: &str| world.find(pass, name, &[None; 5]);
+                        let find = |name: &str| world.find_of(pass, name, &[None; 5], None);
                         open.prepare(pipeline, &streams[..1], indices, &pass.push, find)?;
                         if world.draws.iter().all(|(_, m)| m.alpha != Alpha::Blend) {
                             open.draw(0, world.index_count);
                         } else {
-                            drawn(*geometry, world.draws, &[])
+                            drawn(*geometry, None, world.draws, &[])
                                 .for_each(|(d, _)| open.draw(d.first_index, d.index_count));
                         }
                     }
                     Geometry::Depth => {}
                     Geometry::Materials | Geometry::Casters | Geometry::Unwrapped | Geometry::Overlay => {
-                        for (draw, material) in drawn(*geometry, world.draws, world.overlay) {
-                            let pipeline = world.pipeline(index, Some(class(material, *geometry)))?;
-                            let push = material_push(material, world.scatters, world.ior);
-                            let find = |name: &str| world.find(pass, name, &maps(material));
+                        for (draw, material) in drawn(*geometry, pass.profile, world.draws, world.overlay) {
+                            let pipeline = world.pipeline(index, Some(class(material, *geometry, pass)))?;
+                            let push = material_push(material, world.scatters, world.profiles);
+                            let of = profile(material, pass);
+                            let find = |name: &str| world.find_of(pass, name, &maps(material), of);
                             open.prepare(pipeline, &streams, indices, bytemuck::bytes_of(&push), find)?;
                             open.draw(draw.first_index, draw.index_count);
                         }
@@ -246,7 +262,8 @@ impl<'a> World<'a> {
             .ok_or_else(|| GpuError::Misuse(format!("pass {pass} has no pipeline")))
     }
 
-    fn find(&self, pass: &Pass, name: &str, maps: &Maps) -> Option<Bound<'a>> {
+    /// What stands behind a name; of those that each profile has, the one of this profile.
+    fn find_of(&self, pass: &Pass, name: &str, maps: &Maps, of: Option<usize>) -> Option<Bound<'a>> {
         let name = pass.aliases.get(name).map_or(name, String::as_str);
         if let Some(image) = self.images.get(name) {
             let sampled = pass
@@ -255,14 +272,17 @@ impl<'a> World<'a> {
                 .any(|(n, u)| n == name && matches!(u, Usage::ComputeSampled | Usage::FragmentSampled));
             return Some(if sampled { Bound::Sampled(image, self.resources.nearest()) } else { Bound::Image(image) });
         }
-        self.buffers.get(name).map(Bound::Buffer).or_else(|| self.resources.find(name, maps))
+        let own = of.map(|k| of_profile(name, k));
+        let own = own.as_deref().and_then(|own| self.resources.find(own, maps));
+        own.or_else(|| self.buffers.get(name).map(Bound::Buffer)).or_else(|| self.resources.find(name, maps))
     }
 }
 
-fn material_push(m: &Material, scatters: bool, of_profile: Option<f64>) -> MaterialPush {
+fn material_push(m: &Material, scatters: bool, profiles: &[Profile]) -> MaterialPush {
+    let profile = m.scatter.and_then(|k| profiles.get(k));
     // glTF's own default counts as nothing stated.
     let stated = m.ior != Material::DEFAULT_IOR;
-    let ior = of_profile.filter(|_| m.scatter.is_some() && !stated).map_or(m.ior, |ior| ior as f32);
+    let ior = profile.filter(|_| !stated).map_or(m.ior, |p| p.ior as f32);
     let r = (ior - 1.) / (ior + 1.);
     MaterialPush {
         base_color: m.base_color,
@@ -273,11 +293,13 @@ fn material_push(m: &Material, scatters: bool, of_profile: Option<f64>) -> Mater
         alpha_cutoff: alpha_cutoff(m.alpha).unwrap_or(0.),
         reflectance: r * r * m.specular,
         scatter: match m.scatter {
-            Some(_) if scatters => 1.,
-            Some(_) if of_profile.is_some() => -1.,
+            Some(_) if scatters && profile.is_some() => 1.,
+            // Where nothing scatters there are no passes of each profile, and gloss is the first one's.
+            Some(0) if profile.is_some() => -1.,
             _ => 0.,
         },
         emission: m.emission,
+        profile: m.scatter.unwrap_or(0) as u32,
     }
 }
 

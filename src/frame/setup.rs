@@ -3,11 +3,12 @@
 use super::levels::{LEAST_SIGMA_PX, Levels, Magnification};
 use super::overlay::Overlay;
 use super::shadows::Shadows;
-use super::uniforms::MAX_LIGHTS;
+use super::uniforms::{MAX_LIGHTS, MAX_PROFILES};
 use super::{FrameError, Inputs};
 use crate::methods::{self, texture_space};
 use crate::scene::{Alpha, Atlas, Camera, Filled, Light, LightKind, Projection, gutter};
 use crate::settings::{Method, Quality, Settings, Spared, Texturing, ToneMap, View};
+use crate::skin::profile::Profile;
 use crate::skin::specular::Lobes;
 use glam::Vec3;
 
@@ -25,6 +26,12 @@ pub enum Output {
 pub struct Setup {
     /// As asked for.
     pub settings: Settings,
+    /// Index into the frame's profiles of the one that it is about.
+    pub profile: usize,
+    /// There are others beside it.
+    pub several: bool,
+    /// One of them comes before it.
+    further: bool,
     /// Pixels.
     pub size: [u32; 2],
     /// 8-bit or linear; views other than lit ones are always linear.
@@ -107,17 +114,38 @@ pub struct ViewFacts {
 }
 
 impl Setup {
-    /// Finds the facts.
+    /// Finds the facts, for each profile; for none where there is none.
     ///
     /// # Errors
     /// Where a view shows something that the method does not make.
-    pub fn new(inputs: &Inputs<'_>) -> Result<Setup, FrameError> {
-        Self::after(None, inputs)
+    pub fn all(inputs: &Inputs<'_>) -> Result<Vec<Setup>, FrameError> {
+        Self::after(&[], inputs)
     }
 
-    /// As [`Setup::new`]; what another frame of the same scene has found out is not looked for again.
-    pub(super) fn after(before: Option<&Setup>, inputs: &Inputs<'_>) -> Result<Setup, FrameError> {
+    /// As [`Setup::all`]; what another frame of the same scene has found out is not looked for again.
+    pub(super) fn after(before: &[Setup], inputs: &Inputs<'_>) -> Result<Vec<Setup>, FrameError> {
+        let count = inputs.profiles.len().max(1);
+        if count > MAX_PROFILES {
+            return Err(FrameError::Profiles { count });
+        }
+        let mut all: Vec<Setup> =
+            (0..count).map(|k| Self::of(before.get(k), inputs, k)).collect::<Result<_, FrameError>>()?;
+        let mut found = false;
+        for s in &mut all {
+            s.further = found;
+            found |= s.scatters;
+        }
+        // What one of them needs of the G-buffer all draw.
+        let atlas = all.iter().find_map(|s| s.atlas.clone());
+        if atlas.is_some() {
+            all.iter_mut().for_each(|s| (s.uvs, s.atlas) = (true, s.atlas.take().or_else(|| atlas.clone())));
+        }
+        Ok(all)
+    }
+
+    fn of(before: Option<&Setup>, inputs: &Inputs<'_>, index: usize) -> Result<Setup, FrameError> {
         let (scene, settings) = (inputs.scene, &inputs.settings);
+        let (profile, several) = (inputs.profiles.get(index), inputs.profiles.len() > 1);
         if inputs.lights.len() > MAX_LIGHTS {
             return Err(FrameError::Lights { count: inputs.lights.len() });
         }
@@ -126,25 +154,26 @@ impl Setup {
         let used = |test: &dyn Fn(&crate::scene::Material) -> bool| {
             scene.draws.iter().any(|d| d.index_count > 0 && scene.materials.get(d.material).is_some_and(test))
         };
-        let scatters = inputs.profile.is_some() && used(&|m| m.scatter.is_some()) && settings.method != Method::Lambert;
-        let mut levels = match &inputs.profile {
+        let scatters = profile.is_some() && used(&|m| m.scatter == Some(index)) && settings.method != Method::Lambert;
+        let mut levels = match profile {
             Some(profile) if scatters => Levels::new(profile, settings, view.magnification),
             _ => Levels { sharp: [1.; 3], length_mm: 1., ..Levels::default() },
         };
+        let blurs = |p: &Profile| !Levels::new(p, settings, view.magnification).levels.is_empty();
         let blurred = !levels.levels.is_empty();
         let least_sigma_mm = LEAST_SIGMA_PX / view.magnification.nearest;
-        let diffuses = match &inputs.profile {
-            Some(p) if scatters => p.gaussians().gaussians.iter().any(|g| g.variance.sqrt() >= least_sigma_mm),
-            _ => false,
-        };
+        let wide = |p: &Profile| p.gaussians().gaussians.iter().any(|g| g.variance.sqrt() >= least_sigma_mm);
+        // One forward pass draws all of them.
+        let together = settings.method == Method::Preintegrated && inputs.profiles.iter().any(wide);
+        let diffuses = scatters && (together || profile.is_some_and(wide));
         let atlas = if diffuses && settings.method == Method::TextureSpace {
             let wrong = |why| FrameError::Atlas { scene: scene.name.clone(), why };
             let known = before.and_then(|b| b.atlas.clone());
-            Some(known.map_or_else(|| Atlas::new(scene).map_err(wrong), Ok)?)
+            Some(known.map_or_else(|| Atlas::new(scene, index).map_err(wrong), Ok)?)
         } else {
             None
         };
-        let reach_mm = inputs.profile.as_ref().map_or(0., texture_space::reach_mm);
+        let reach_mm = profile.map_or(0., texture_space::reach_mm);
         let border = atlas.as_ref().map_or(0., |a| a.border(reach_mm) as f32);
         let side = texture_space::effort(settings.quality).0;
         let texel_mm = |a: &Atlas| a.side_mm / (f64::from(side) * f64::from(1. - 2. * border));
@@ -153,7 +182,7 @@ impl Setup {
             Some(b) => b.gutter.clone(),
             None => atlas.as_ref().map_or(Vec::new(), fill),
         };
-        let kernel = match &inputs.profile {
+        let kernel = match profile {
             Some(profile) if diffuses => {
                 methods::kernel(settings, profile, least_sigma_mm, atlas.as_ref().map_or(0., texel_mm))
             }
@@ -186,11 +215,12 @@ impl Setup {
             Some(b) if b.shining == inputs.lights => b.shadows.clone(),
             _ => Shadows::new(inputs),
         };
-        if !blurred && settings.view != View::Lit {
+        if !(blurred || several && inputs.profiles.iter().any(blurs)) && settings.view != View::Lit {
             // Nobody blurs visibility: lighting looks it up itself, at full precision.
             shadows.without_slots();
         }
-        let taps = gather_taps(settings);
+        // A shadow map does not say by which profile its surface scatters.
+        let taps = if several { 0 } else { gather_taps(settings) };
         if taps > 0
             && is_lit(settings.view)
             && let Some(texel) = shadows.gatherable(&inputs.lights)
@@ -218,6 +248,9 @@ impl Setup {
         let has_uvs = !scene.uvs.is_empty();
         let uvs = (back(Spared::TextureCoordinates) || used(&|m| m.is_textured()) || atlas.is_some()) && has_uvs;
         Ok(Setup {
+            profile: index,
+            several,
+            further: false,
             size,
             output: if is_lit(settings.view) { inputs.output } else { Output::Linear },
             scatters,
@@ -243,7 +276,7 @@ impl Setup {
             why_no_curvature,
             ao,
             ambient,
-            lobes: inputs.profile.as_ref().and_then(|p| p.lobes).filter(|_| used(&|m| m.scatter.is_some())),
+            lobes: profile.and_then(|p| p.lobes).filter(|_| used(&|m| m.scatter == Some(index))),
             sky,
             background: environment.is_some_and(|e| e.background.is_some()),
             lights: inputs.lights.len() as u32,
@@ -271,13 +304,22 @@ impl Setup {
 
     /// Adds the specialization constants of a pass that reflects light.
     pub fn specialise_gloss(&self, pass: &mut crate::plan::Pass) {
-        pass.constant("FUZZ", self.settings.fuzz.to_bits()).constant("TWO_LOBES", u32::from(self.lobes.is_some()));
+        pass.constants.extend(self.gloss());
+    }
+
+    /// The same, by themselves.
+    pub fn gloss(&self) -> Vec<(&'static str, u32)> {
+        let mut gloss = vec![("FUZZ", self.settings.fuzz.to_bits()), ("TWO_LOBES", u32::from(self.lobes.is_some()))];
         if let Some(Lobes { roughness: [first, second], mix }) = self.lobes {
-            let bits = |x: f64| (x as f32).to_bits();
-            pass.constant("LOBE_FIRST", bits(first))
-                .constant("LOBE_SECOND", bits(second))
-                .constant("LOBE_MIX", bits(mix));
+            let of = [("LOBE_FIRST", first), ("LOBE_SECOND", second), ("LOBE_MIX", mix)];
+            gloss.extend(of.map(|(name, x)| (name, (x as f32).to_bits())));
         }
+        gloss
+    }
+
+    /// Of several profiles that scatter, it is not the first: what all share is there already.
+    pub fn is_further(&self) -> bool {
+        self.further
     }
 
     /// The picture is made by lighting, not by showing a target.

@@ -7,6 +7,8 @@ use bytemuck::{Pod, Zeroable};
 pub const MAX_LEVELS: usize = 6;
 /// Most lights: what 16 KiB of uniform block, the least that every device has, hold beside the shadow matrices.
 pub const MAX_LIGHTS: usize = 128;
+/// Most profiles: what the lowest bits of a `viewz` tell apart (`glsl/common/profile_code.glsl`).
+pub const MAX_PROFILES: usize = 8;
 /// Most layers of shadow maps: a point light takes six.
 pub const MAX_LAYERS: usize = 16;
 
@@ -91,4 +93,5 @@ pub struct MaterialPush {
     pub reflectance: f32,
     pub scatter: f32,
     pub emission: [f32; 3],
+    pub profile: u32,
 }

@@ -6,12 +6,13 @@ use crate::frame::setup::Setup;
 use crate::plan::Plan;
 use crate::settings::Quality;
 use crate::skin::profile::Profile;
-use crate::stages::{combine, gaussians, gbuffer, irradiance, shadow, tiles};
+use crate::stages::{combine, gaussians, gbuffer, irradiance, layer, shadow, tiles};
 
 /// The frame.
 pub fn frame(p: &mut Plan, s: &Setup) {
     shadow::add(p, s); //     meshes                          -> shadow
     gbuffer::add(p, s); //    meshes                          -> viewz normal albedo material bumped
+    layer::add(p, s); //      viewz                           -> viewz of each, of several profiles
     tiles::add(p, s); //      viewz                           -> tile lists
     irradiance::add(p, s); // G-buffer shadow                 -> irradiance reflected
     gaussians::add(p, s); //  viewz irradiance                -> scattered

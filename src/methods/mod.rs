@@ -11,33 +11,53 @@ mod spared;
 pub mod texture_space;
 mod wrap;
 
-use crate::frame::resources::EXTERNAL;
+use crate::frame::resources::external;
 use crate::frame::setup::Setup;
 use crate::plan::{Plan, PlanError};
 use crate::settings::{Method, Settings, View};
 use crate::skin::profile::Profile;
 use crate::stages;
 
-/// Plans the frame of a method, and the view asked for.
+/// Plans the frame of a method, and the view asked for: of each profile that scatters, one after the other. What they share
+/// the first brings.
 ///
 /// # Errors
 /// Where a stage and its shader disagree, or a view shows what the method does not make.
-pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
-    let external = EXTERNAL.iter().map(|n| (*n).to_owned()).collect();
-    let mut plan = Plan { external, ..Plan::default() };
-    plan.image(s.picture(), s.size);
+pub fn plan(setups: &[Setup]) -> Result<Plan, PlanError> {
+    let mut plan = Plan { external: external(setups.len()), ..Plan::default() };
+    let Some(first) = setups.first() else { return Ok(plan) };
+    plan.image(first.picture(), first.size);
+    let scattering: Vec<&Setup> = setups.iter().filter(|s| s.scatters).collect();
+    for s in if scattering.is_empty() { vec![first] } else { scattering } {
+        plan.profile = s.several.then_some(s.profile);
+        frame(&mut plan, s);
+    }
+    plan.profile = None;
+    stages::background::add(&mut plan, first);
+    if first.settings.view == View::Final && !first.sky {
+        plan.leave_out("environment", "no sky is given: ambient light has two colours", 0);
+    }
+    stages::overlay::add(&mut plan, first);
+    stages::tonemap::add(&mut plan, first);
+    spared::note(&mut plan, first);
+    plan.keep(first.kept());
+    plan.finish()?;
+    Ok(plan)
+}
+
+fn frame(plan: &mut Plan, s: &Setup) {
     // What projects below a pixel everywhere is a point, and nothing is left to scatter.
     let method = if s.diffuses { s.settings.method } else { Method::Lambert };
     match method {
-        Method::Lambert => lambert::frame(&mut plan, s),
-        Method::Pdss => pdss::frame(&mut plan, s),
-        Method::Moments => moments::frame(&mut plan, s),
-        Method::Preintegrated => preintegrated::frame(&mut plan, s),
-        Method::TextureSpace => texture_space::frame(&mut plan, s),
-        Method::Gaussians => gaussians::frame(&mut plan, s),
-        Method::Separable => separable::frame(&mut plan, s),
-        Method::Burley => burley::frame(&mut plan, s),
-        Method::Wrap => wrap::frame(&mut plan, s),
+        Method::Lambert => lambert::frame(plan, s),
+        Method::Pdss => pdss::frame(plan, s),
+        Method::Moments => moments::frame(plan, s),
+        Method::Preintegrated => preintegrated::frame(plan, s),
+        Method::TextureSpace => texture_space::frame(plan, s),
+        Method::Gaussians => gaussians::frame(plan, s),
+        Method::Separable => separable::frame(plan, s),
+        Method::Burley => burley::frame(plan, s),
+        Method::Wrap => wrap::frame(plan, s),
     }
     if s.pre_textured() && !plan.has("irradiance") {
         plan.leave_out(
@@ -46,19 +66,9 @@ pub fn plan(s: &Setup) -> Result<Plan, PlanError> {
             0,
         );
     }
-    stages::background::add(&mut plan, s);
-    if s.settings.view == View::Final && !s.sky {
-        plan.leave_out("environment", "no sky is given: ambient light has two colours", 0);
-    }
     if !s.lit_view() {
-        stages::view::add(&mut plan, s);
+        stages::view::add(plan, s);
     }
-    stages::overlay::add(&mut plan, s);
-    stages::tonemap::add(&mut plan, s);
-    spared::note(&mut plan, s);
-    plan.keep(s.kept());
-    plan.finish()?;
-    Ok(plan)
 }
 
 /// What a method's own shaders read of the profile: a few rows of four, empty where the method needs none. What projects

@@ -3,12 +3,13 @@
 
 use crate::frame::setup::Setup;
 use crate::plan::Plan;
-use crate::stages::{blur, curvature, gbuffer, light, shadow, tiles, translucent, visibility};
+use crate::stages::{blur, curvature, gbuffer, layer, light, shadow, tiles, translucent, visibility};
 
 /// The frame.
 pub fn frame(p: &mut Plan, s: &Setup) {
     shadow::add(p, s); //     meshes                                -> shadow
     gbuffer::add(p, s); //    meshes                                -> viewz normal albedo material bumped mass
+    layer::add(p, s); //      viewz                                 -> viewz of each, of several profiles
     tiles::add(p, s); //      viewz                                 -> tile lists
     visibility::add(p, s); // viewz normal shadow                   -> lit
     curvature::add(p, s); //  viewz normal                          -> curvature   (for ambient occlusion)

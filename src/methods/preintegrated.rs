@@ -7,7 +7,7 @@ use crate::plan::Plan;
 use crate::settings::{ForwardCurvature, Quality, Settings};
 use crate::skin::penumbra;
 use crate::skin::profile::Profile;
-use crate::stages::{forward, gbuffer, shadow, tiles};
+use crate::stages::{forward, gbuffer, layer, shadow, tiles};
 
 /// The frame.
 pub fn frame(p: &mut Plan, s: &Setup) {
@@ -17,6 +17,7 @@ pub fn frame(p: &mut Plan, s: &Setup) {
     } else {
         // Only what shows other targets has use for them.
         gbuffer::add(p, s); // meshes                      -> viewz normal albedo material bumped
+        layer::add(p, s); //   viewz                       -> viewz of each, of several profiles
         tiles::add(p, s); //   viewz                       -> tile lists
     }
 }

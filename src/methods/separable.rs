@@ -6,12 +6,13 @@ use crate::plan::Plan;
 use crate::settings::{Quality, SeparableKernel, Settings};
 use crate::skin::profile::Profile;
 use crate::skin::separable::{of_authors, of_profile};
-use crate::stages::{combine, gbuffer, irradiance, separable, shadow, tiles, transmittance};
+use crate::stages::{combine, gbuffer, irradiance, layer, separable, shadow, tiles, transmittance};
 
 /// The frame.
 pub fn frame(p: &mut Plan, s: &Setup) {
     shadow::add(p, s); //        meshes                          -> shadow
     gbuffer::add(p, s); //       meshes                          -> viewz normal albedo material bumped
+    layer::add(p, s); //         viewz                           -> viewz of each, of several profiles
     tiles::add(p, s); //         viewz                           -> tile lists
     irradiance::add(p, s); //    G-buffer shadow                 -> irradiance reflected
     transmittance::add(p, s); // viewz normal albedo shadow      -> irradiance

@@ -5,7 +5,7 @@ use crate::frame::setup::Setup;
 use crate::plan::Plan;
 use crate::settings::{Quality, Settings};
 use crate::skin::profile::{Gaussian, Profile};
-use crate::stages::{combine, entrance, gather, gbuffer, irradiance, sheets, tiles, unwrap};
+use crate::stages::{combine, entrance, gather, gbuffer, irradiance, layer, sheets, tiles, unwrap};
 
 /// The frame.
 pub fn frame(p: &mut Plan, s: &Setup) {
@@ -13,6 +13,7 @@ pub fn frame(p: &mut Plan, s: &Setup) {
     unwrap::add(p, s); //     meshes shadow                   -> sheet0 stretch
     sheets::add(p, s); //     sheet0 stretch                  -> sheet1..
     gbuffer::add(p, s); //    meshes                          -> viewz normal albedo material chart bumped
+    layer::add(p, s); //      viewz                           -> viewz of each, of several profiles
     tiles::add(p, s); //      viewz                           -> tile lists
     irradiance::add(p, s); // G-buffer shadow                 -> irradiance reflected
     gather::add(p, s); //     viewz normal chart irradiance sheets shadow entrance -> scattered

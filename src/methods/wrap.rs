@@ -5,12 +5,13 @@ use crate::frame::setup::Setup;
 use crate::plan::Plan;
 use crate::skin::burley::fit_d;
 use crate::skin::profile::Profile;
-use crate::stages::{curvature, gbuffer, light, shadow, tiles};
+use crate::stages::{curvature, gbuffer, layer, light, shadow, tiles};
 
 /// The frame.
 pub fn frame(p: &mut Plan, s: &Setup) {
     shadow::add(p, s); //    meshes                 -> shadow
     gbuffer::add(p, s); //   meshes                 -> viewz normal albedo material bumped
+    layer::add(p, s); //     viewz                  -> viewz of each, of several profiles
     tiles::add(p, s); //     viewz                  -> tile lists
     curvature::add(p, s); // viewz normal           -> curvature
     light::add(p, s); //     G-buffer curvature     -> ldr or exr

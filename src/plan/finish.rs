@@ -48,12 +48,13 @@ impl Plan {
 
     /// What a pass touches, from its shader and attachments.
     fn accesses(&mut self, index: usize) -> Result<Vec<(String, Usage)>, PlanError> {
+        self.resolve(index);
         let pass = self.passes[index].clone();
         let mut list: Vec<(String, Usage)> = Vec::new();
         let shaders: Vec<&'static Shader> = match &pass.work {
             Work::Compute { shader, domain } => {
                 if let Domain::Tiles(buffer) = domain {
-                    list.push(((*buffer).to_owned(), Usage::Indirect));
+                    list.push((buffer.clone(), Usage::Indirect));
                 }
                 vec![shader]
             }
@@ -71,7 +72,11 @@ impl Plan {
         };
         let compute = matches!(pass.work, Work::Compute { .. });
         for b in shaders.iter().flat_map(|s| s.bindings) {
-            let mut name = pass.aliases.get(b.name).cloned().unwrap_or_else(|| b.name.to_owned());
+            let name = pass.aliases.get(b.name).map_or(b.name, String::as_str);
+            let mut name = self.meant(name, pass.profile);
+            if pass.profile.is_some() {
+                self.passes[index].aliases.insert(b.name, name.clone());
+            }
             if self.external.contains(&name) {
                 continue;
             }
@@ -97,6 +102,24 @@ impl Plan {
             }
         }
         Ok(list)
+    }
+
+    /// Says of what a pass works on, apart from its shader, whose it is.
+    fn resolve(&mut self, index: usize) {
+        let profile = self.passes[index].profile;
+        let mut work = self.passes[index].work.clone();
+        let meant = |name: &mut String| *name = self.meant(name, profile);
+        match &mut work {
+            Work::Compute { domain: Domain::Tiles(list), .. } => meant(list),
+            Work::Compute { .. } => {}
+            Work::Raster { colors, depth, .. } => {
+                colors.iter_mut().for_each(|c| meant(&mut c.0));
+                depth.iter_mut().for_each(|d| meant(&mut d.0));
+            }
+            Work::Update { buffers, .. } => buffers.iter_mut().for_each(meant),
+            Work::Clear { image, .. } => meant(image),
+        }
+        self.passes[index].work = work;
     }
 
     /// A texel to bind where a specialised shader names a resource that it will not read.

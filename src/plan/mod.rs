@@ -43,7 +43,7 @@ pub enum Domain {
     /// This many threads.
     Threads([u32; 2]),
     /// The tiles of a list, by indirect dispatch: the buffer of that name holds the count.
-    Tiles(&'static str),
+    Tiles(String),
 }
 
 /// What a pass does.
@@ -119,6 +119,10 @@ pub struct Pass {
     pub accesses: Vec<(String, Usage)>,
     /// What must be waited for before it; filled by [`Plan::finish`].
     pub barriers: Vec<(String, Barrier)>,
+    /// The profile of several that it works for: names mean that profile's own where there are such.
+    pub profile: Option<usize>,
+    /// Specialization constants that differ by the profile of what is drawn, for a pass that draws the materials of several.
+    pub each: Vec<(usize, Vec<(&'static str, u32)>)>,
 }
 
 /// An image of the frame.
@@ -174,6 +178,15 @@ pub struct Plan {
     pub left_out: Vec<LeftOut>,
     /// Resources made outside of the frame and never written by it (scene buffers, tables).
     pub external: Vec<String>,
+    /// What is added belongs to this profile of several; none: to all of them, or there is one.
+    pub profile: Option<usize>,
+    /// What all profiles share and is there already.
+    pub done: Vec<&'static str>,
+}
+
+/// A name as the profile of that index knows it, where several have one of their own.
+pub fn of_profile(name: &str, profile: usize) -> String {
+    format!("{name}@{profile}")
 }
 
 impl Plan {
@@ -184,16 +197,45 @@ impl Plan {
 
     /// Declares an image of another format or with layers.
     pub fn image_as(&mut self, name: &str, format: vk::Format, size: [u32; 2], layers: u32) {
-        let mut desc = ImageDesc::new(name, format, size, vk::ImageUsageFlags::empty());
-        desc.layers = layers;
-        desc.array = matches!(name, "shadow" | "entrance");
+        let array = matches!(name, "shadow" | "entrance");
+        let name = self.own(name);
+        let mut desc = ImageDesc::new(&name, format, size, vk::ImageUsageFlags::empty());
+        (desc.layers, desc.array) = (layers, array);
         let (need, lifetime) = (Need::of_texels(&desc), (usize::MAX, 0));
-        self.targets.insert(name.to_owned(), TargetPlan { desc, lifetime, need, arena: 0, offset: 0, kept: false });
+        self.targets.insert(name, TargetPlan { desc, lifetime, need, arena: 0, offset: 0, kept: false });
     }
 
     /// Declares a buffer that the device writes.
     pub fn buffer(&mut self, name: &str, bytes: u64) {
-        self.buffers.insert(name.to_owned(), BufferPlan { name: name.to_owned(), bytes });
+        let name = self.own(name);
+        self.buffers.insert(name.clone(), BufferPlan { name, bytes });
+    }
+
+    /// The name of something that is being made: a profile of several makes its own.
+    fn own(&self, name: &str) -> String {
+        self.profile.map_or_else(|| name.to_owned(), |k| of_profile(name, k))
+    }
+
+    /// What a name means to a profile of several: its own, if it has one, else what all share.
+    fn meant(&self, name: &str, profile: Option<usize>) -> String {
+        let known =
+            |n: &String| self.targets.contains_key(n) || self.buffers.contains_key(n) || self.external.contains(n);
+        profile.map(|k| of_profile(name, k)).filter(known).unwrap_or_else(|| name.to_owned())
+    }
+
+    /// Adds what all profiles of the frame share, for the first of them that comes to it.
+    pub fn once(&mut self, what: &'static str, add: impl FnOnce(&mut Plan)) {
+        if !self.done.contains(&what) {
+            self.done.push(what);
+            self.shared(add);
+        }
+    }
+
+    /// Adds what is of no profile's own.
+    pub fn shared(&mut self, add: impl FnOnce(&mut Plan)) {
+        let profile = self.profile.take();
+        add(self);
+        self.profile = profile;
     }
 
     /// Whether a frame recorded from this plan is one of `other`, too: the same passes with the same constants over the same
@@ -203,8 +245,8 @@ impl Plan {
             p.targets.iter().map(|(n, t)| (n.clone(), t.desc.format, t.desc.size, t.desc.layers)).collect()
         };
         let same = |(a, b): (&Pass, &Pass)| {
-            (&a.name, &a.work, &a.constants, &a.push, &a.aliases)
-                == (&b.name, &b.work, &b.constants, &b.push, &b.aliases)
+            (&a.name, &a.work, &a.constants, &a.push, &a.aliases, &a.each)
+                == (&b.name, &b.work, &b.constants, &b.push, &b.aliases, &b.each)
         };
         self.passes.len() == other.passes.len()
             && self.passes.iter().zip(&other.passes).all(same)
@@ -214,14 +256,14 @@ impl Plan {
 
     /// Notes something that is not needed.
     pub fn leave_out(&mut self, what: &str, why: impl Into<String>, bytes: u64) -> &mut LeftOut {
-        self.left_out.push(LeftOut { what: what.to_owned(), why: why.into(), bytes, back: None });
+        self.left_out.push(LeftOut { what: self.own(what), why: why.into(), bytes, back: None });
         let last = self.left_out.len() - 1;
         &mut self.left_out[last]
     }
 
     /// Whether there is a target of this name.
     pub fn has(&self, name: &str) -> bool {
-        self.targets.contains_key(name)
+        self.targets.contains_key(&self.meant(name, self.profile))
     }
 
     /// Keeps a target's content for the host.
@@ -234,7 +276,9 @@ impl Plan {
 
     fn pass(&mut self, name: &str, work: Work) -> &mut Pass {
         self.passes.push(Pass {
-            name: name.to_owned(),
+            name: self.own(name),
+            profile: self.profile,
+            each: Vec::new(),
             work,
             constants: Vec::new(),
             push: Vec::new(),
@@ -248,7 +292,7 @@ impl Plan {
 
     /// Adds a compute pass; what it touches is read from the shader.
     pub fn compute(&mut self, name: &str, shader: &'static Shader, domain: Domain) -> &mut Pass {
-        let tiles = if let Domain::Tiles(list) = domain { Some(list) } else { None };
+        let tiles = if let Domain::Tiles(list) = &domain { Some(list.clone()) } else { None };
         let pass = self.pass(name, Work::Compute { shader, domain });
         if let Some(list) = tiles {
             pass.bind("tile_list", list);
@@ -269,6 +313,11 @@ impl Plan {
         geometry: Geometry,
     ) -> &mut Pass {
         self.pass(name, Work::Raster { vertex, fragment, state, colors, depth, geometry })
+    }
+
+    /// The pass of that name, if it is there.
+    pub fn find(&mut self, name: &str) -> Option<&mut Pass> {
+        self.passes.iter_mut().find(|p| p.name == name)
     }
 
     /// Adds a write of a few words into buffers.

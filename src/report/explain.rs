@@ -15,8 +15,8 @@ use std::fmt::{self, Display};
 pub struct Explanation {
     /// Version of this record's shape.
     pub schema: u32,
-    /// The diffusion profile, if something scatters.
-    pub profile: Option<ProfileWords>,
+    /// The diffusion profiles, if something scatters.
+    pub profiles: Vec<ProfileWords>,
     /// Passes in order.
     pub passes: Vec<PassWords>,
     /// Images of the frame.
@@ -144,7 +144,7 @@ impl Explanation {
         let frame = traffic::of_frame(plan);
         Explanation {
             schema: super::record::SCHEMA,
-            profile: None,
+            profiles: Vec::new(),
             passes: (0..plan.passes.len()).map(|i| pass_words(plan, i)).collect(),
             targets: target_words(plan),
             buffers: plan.buffers.values().map(|b| (b.name.clone(), b.bytes)).collect(),
@@ -309,7 +309,7 @@ fn target_words(plan: &Plan) -> Vec<TargetWords> {
 
 impl Display for Explanation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(profile) = &self.profile {
+        for profile in &self.profiles {
             writeln!(f, "{profile}")?;
         }
         for (number, pass) in self.passes.iter().enumerate() {

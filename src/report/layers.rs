@@ -5,6 +5,7 @@
 use super::picture::{PictureError, check, replace};
 use crate::frame::Inputs;
 use crate::gpu::DeviceInfo;
+use crate::skin::profile::Profile;
 use exr::meta::attribute::AttributeValue;
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, ImageAttributes, Layer as Part, LayerAttributes, Text, Vec2,
@@ -58,7 +59,7 @@ impl Made {
             ("pdss:scene", scene.to_owned()),
             ("pdss:method", name(clap::ValueEnum::to_possible_value(&settings.method))),
             ("pdss:quality", name(clap::ValueEnum::to_possible_value(&settings.quality))),
-            ("pdss:profile", inputs.profile.as_ref().map_or("none", |p| p.name.as_str()).to_owned()),
+            ("pdss:profile", Profile::joined(&inputs.profiles)),
             ("pdss:settings", serde_json::to_string(settings).unwrap_or_default()),
             ("pdss:camera", format!("{:?}", inputs.camera)),
             ("pdss:lights", format!("{:?}", inputs.lights)),

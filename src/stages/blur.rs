@@ -4,7 +4,7 @@
 
 use super::{tiles, translucent};
 use crate::frame::setup::Setup;
-use crate::plan::{Domain, Plan};
+use crate::plan::Plan;
 use crate::shaders;
 
 /// Adds the passes.
@@ -36,7 +36,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
             (_, true, true) => &shaders::BLUR_NEXT_GEO,
         };
         let pass = plan
-            .compute(&format!("blur{index}"), shader, Domain::Tiles(tiles::scatter(step.stride.1)))
+            .compute(&format!("blur{index}"), shader, tiles::scattering(step.stride.1))
             .constant("SOURCE_STRIDE", step.stride.0)
             .constant("TARGET_STRIDE", step.stride.1)
             .constant("CURVATURE", u32::from(s.curvature))

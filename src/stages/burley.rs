@@ -3,7 +3,7 @@
 use super::tiles;
 use crate::frame::setup::Setup;
 use crate::methods::burley::budget;
-use crate::plan::{Domain, Plan};
+use crate::plan::Plan;
 use crate::settings::View;
 use crate::shaders;
 
@@ -13,6 +13,5 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         return;
     }
     plan.image("scattered", s.size);
-    plan.compute("burley", &shaders::BURLEY, Domain::Tiles(tiles::scatter(1)))
-        .constant("BUDGET", budget(s.settings.quality));
+    plan.compute("burley", &shaders::BURLEY, tiles::scattering(1)).constant("BUDGET", budget(s.settings.quality));
 }

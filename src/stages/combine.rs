@@ -3,7 +3,7 @@
 
 use super::tiles;
 use crate::frame::setup::Setup;
-use crate::plan::{Domain, Plan};
+use crate::plan::Plan;
 use crate::settings::View;
 use crate::shaders;
 
@@ -15,8 +15,9 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     let view = s.settings.view;
     tiles::background(plan, s);
     let pass = plan
-        .compute("combine", &shaders::COMBINE, Domain::Tiles(tiles::SURFACE))
+        .compute("combine", &shaders::COMBINE, tiles::surface())
         .constant("OUTPUT", s.lit_output())
+        .constant("OWN", u32::from(s.is_further()))
         .constant("PRE", u32::from(s.pre_textured()))
         .constant("CURVE", s.tone_curve())
         .bind("normal", s.shading_normal())

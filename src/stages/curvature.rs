@@ -2,7 +2,7 @@
 
 use super::tiles;
 use crate::frame::setup::Setup;
-use crate::plan::{Domain, Plan};
+use crate::plan::Plan;
 use crate::settings::{Curvature, Kernels, Spared, View};
 use crate::shaders;
 
@@ -22,6 +22,6 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         (_, Curvature::Metric) => &shaders::CURVATURE_METRIC,
         (_, Curvature::Fit) => &shaders::CURVATURE_FIT,
     };
-    let domain = if s.settings.view == View::Curvature { tiles::SURFACE } else { tiles::scatter(1) };
-    plan.compute("curvature", shader, Domain::Tiles(domain));
+    let domain = if s.settings.view == View::Curvature { tiles::surface() } else { tiles::scattering(1) };
+    plan.compute("curvature", shader, domain);
 }

@@ -19,6 +19,10 @@ pub fn wanted(s: &Setup) -> bool {
 
 /// Adds the passes; plain shadow maps where light does not go through.
 pub fn add(plan: &mut Plan, s: &Setup) {
+    plan.once("entrance", |plan| all(plan, s));
+}
+
+fn all(plan: &mut Plan, s: &Setup) {
     if !wanted(s) {
         let why =
             if s.shadows.matrices.is_empty() { s.shadows.why_none } else { "nothing shows light that went through" };

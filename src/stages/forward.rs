@@ -7,8 +7,17 @@ use crate::plan::{Geometry, Plan};
 use crate::settings::{ForwardCurvature, View};
 use crate::shaders;
 
-/// Adds the pass.
+/// Adds the pass, one for all profiles: what each draw reads of its own follows from its material.
 pub fn add(plan: &mut Plan, s: &Setup) {
+    plan.once("forward", |plan| all(plan, s));
+    if s.several
+        && let Some(pass) = plan.find("forward")
+    {
+        pass.each.push((s.profile, s.gloss()));
+    }
+}
+
+fn all(plan: &mut Plan, s: &Setup) {
     let effort = preintegrated::effort(&s.settings);
     let lit = s.settings.view == View::Final;
     plan.image("depth", s.size);

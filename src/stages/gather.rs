@@ -3,7 +3,7 @@
 
 use super::{entrance, tiles};
 use crate::frame::setup::Setup;
-use crate::plan::{Domain, Plan};
+use crate::plan::Plan;
 use crate::settings::{Transmittance, View};
 use crate::shaders;
 
@@ -20,7 +20,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     let through = entrance::wanted(s);
     let shader = if through { &shaders::GATHER_THROUGH } else { &shaders::GATHER_PLAIN };
     let pass = plan
-        .compute("gather", shader, Domain::Tiles(tiles::scatter(1)))
+        .compute("gather", shader, tiles::scattering(1))
         .constant("LEVELS", levels as u32)
         .constant("SHEET_BORDER", s.border.to_bits());
     if through {

@@ -5,7 +5,7 @@
 
 use super::tiles;
 use crate::frame::setup::Setup;
-use crate::plan::{Domain, Plan};
+use crate::plan::Plan;
 use crate::settings::{Quality, View};
 use crate::shaders;
 
@@ -20,7 +20,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     let (half, spacing) = if s.settings.quality == Quality::Ultra { (6, 0.5f32) } else { (3, 1.) };
     let mut source = "irradiance";
     for step in 1..s.kernel.len() as u32 {
-        plan.compute(&format!("gaussians{step} across"), &shaders::GAUSSIANS_ACROSS, Domain::Tiles(tiles::scatter(1)))
+        plan.compute(&format!("gaussians{step} across"), &shaders::GAUSSIANS_ACROSS, tiles::scattering(1))
             .constant("STEP", step)
             .constant("HALF", half)
             .constant("SPACING", spacing.to_bits())
@@ -28,7 +28,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
             .bind("target", "across");
         // The first starts the sum, with what is narrower than a pixel.
         let down = if step == 1 { &shaders::GAUSSIANS_FIRST } else { &shaders::GAUSSIANS_DOWN };
-        plan.compute(&format!("gaussians{step} down"), down, Domain::Tiles(tiles::scatter(1)))
+        plan.compute(&format!("gaussians{step} down"), down, tiles::scattering(1))
             .constant("STEP", step)
             .constant("HALF", half)
             .constant("SPACING", spacing.to_bits())

@@ -22,6 +22,10 @@ pub enum Extra {
 
 /// Adds the pass.
 pub fn add(plan: &mut Plan, s: &Setup) {
+    plan.once("gbuffer", |plan| all(plan, s));
+}
+
+fn all(plan: &mut Plan, s: &Setup) {
     let mut colors = vec!["viewz", "normal", "albedo", "material"];
     if s.atlas.is_some() {
         colors.push("chart");
@@ -61,7 +65,8 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     let depth = Some(("depth".to_owned(), None, 0.));
     let pass = plan
         .raster("gbuffer", vertex(s, extra), Some(fragment), state, colors, depth, Geometry::Materials)
-        .constant("TINT", u32::from(s.colors));
+        .constant("TINT", u32::from(s.colors))
+        .constant("SEVERAL", u32::from(s.several));
     if s.mass {
         pass.constant("FIRST", s.levels.first_gathered()).constant("LEVELS", s.levels.levels.len() as u32);
     }

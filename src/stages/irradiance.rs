@@ -2,7 +2,7 @@
 
 use super::tiles;
 use crate::frame::setup::Setup;
-use crate::plan::{Domain, Plan};
+use crate::plan::Plan;
 use crate::settings::View;
 use crate::shaders;
 
@@ -17,7 +17,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         plan.image("reflected", s.size);
     }
     let pass = plan
-        .compute("irradiance", &shaders::IRRADIANCE, Domain::Tiles(tiles::SURFACE))
+        .compute("irradiance", &shaders::IRRADIANCE, tiles::surface())
         .constant("FINAL", u32::from(lit))
         .constant("SHADOWS", u32::from(!s.shadows.matrices.is_empty()))
         .constant("AMBIENT", u32::from(lit && s.ambient))

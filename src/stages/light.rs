@@ -4,7 +4,7 @@
 use super::tiles;
 use crate::frame::setup::Setup;
 use crate::frame::uniforms::MAX_LEVELS;
-use crate::plan::{Domain, Plan};
+use crate::plan::Plan;
 use crate::settings::Method;
 use crate::shaders;
 
@@ -27,8 +27,9 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     let levels = s.levels.levels.len();
     tiles::background(plan, s);
     let pass = plan
-        .compute("light", shader, Domain::Tiles(tiles::SURFACE))
+        .compute("light", shader, tiles::surface())
         .constant("OUTPUT", s.lit_output())
+        .constant("OWN", u32::from(s.is_further()))
         .constant("LOOK_UP", u32::from(s.shadows.look_up()))
         .constant("SLOTS", u32::from(s.shadows.slots > 0))
         .constant("CURVE", s.tone_curve())

@@ -14,6 +14,7 @@ pub mod gather;
 pub mod gaussians;
 pub mod gbuffer;
 pub mod irradiance;
+pub mod layer;
 pub mod light;
 pub mod overlay;
 pub mod seams;

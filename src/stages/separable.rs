@@ -3,7 +3,7 @@
 use super::tiles;
 use crate::frame::setup::Setup;
 use crate::methods::separable::tap_rows;
-use crate::plan::{Domain, Plan};
+use crate::plan::Plan;
 use crate::settings::View;
 use crate::shaders;
 
@@ -18,7 +18,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     ];
     for (name, shader, source, target) in passes {
         plan.image(target, s.size);
-        plan.compute(name, shader, Domain::Tiles(tiles::scatter(1)))
+        plan.compute(name, shader, tiles::scattering(1))
             .constant("ROWS", tap_rows(s.settings.quality))
             .constant("WIDEST", (s.levels.length_mm as f32).to_bits())
             .bind("source", source)

@@ -9,6 +9,10 @@ use ash::vk;
 
 /// Adds the passes.
 pub fn add(plan: &mut Plan, s: &Setup) {
+    plan.once("shadow", |plan| all(plan, s));
+}
+
+fn all(plan: &mut Plan, s: &Setup) {
     layers(plan, s, |plan, name, layer, state| {
         let depth = Some(("shadow".to_owned(), Some(layer), 0.));
         plan.raster(name, &shaders::SHADOW_VERT, None, state, Vec::new(), depth, Geometry::Depth).push(&layer);

@@ -5,11 +5,20 @@ use crate::plan::{Domain, Plan};
 use crate::settings::Spared;
 use crate::shaders;
 
-/// Tiles of the picture that hold any surface.
-pub const SURFACE: &str = "surface_tiles";
+/// Tiles of the picture that hold any surface; for all profiles but the first, surface that scatters by it.
+const SURFACE: &str = "surface_tiles";
 
-/// The list of scattering tiles on a grid of `stride` pixels.
-pub fn scatter(stride: u32) -> &'static str {
+/// Over the tiles of the picture that hold any surface.
+pub fn surface() -> Domain {
+    Domain::Tiles(SURFACE.to_owned())
+}
+
+/// Over the scattering tiles on a grid of `stride` pixels.
+pub fn scattering(stride: u32) -> Domain {
+    Domain::Tiles(scatter(stride).to_owned())
+}
+
+fn scatter(stride: u32) -> &'static str {
     match stride {
         1 => "scatter_tiles",
         2 => "scatter_tiles2",
@@ -20,7 +29,7 @@ pub fn scatter(stride: u32) -> &'static str {
 /// Adds a clear of the picture, before whoever writes it: tiles without a surface are never visited, and their colour is the
 /// clear's. As late as that, the picture can lie where what has been read already lay.
 pub fn background(plan: &mut Plan, s: &Setup) {
-    plan.clear("clear", s.picture(), [0.; 4]);
+    plan.once("clear", |plan| plan.clear("clear", s.picture(), [0.; 4]));
 }
 
 /// Adds the passes.
@@ -50,6 +59,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
             .constant("STRIDE", stride)
             .constant("SURFACE", u32::from(stride == 1))
             .constant("SCATTER", u32::from(s.scatters))
+            .constant("OWN", u32::from(s.is_further()))
             .constant("EVERY", u32::from(s.settings.brings_back(Spared::Tiles)))
             .bind("scatter_tiles", if s.scatters { scatter(stride) } else { SURFACE });
         if stride > 1 {

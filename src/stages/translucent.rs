@@ -3,13 +3,15 @@
 
 use super::tiles;
 use crate::frame::setup::Setup;
-use crate::plan::{Domain, Plan};
+use crate::plan::Plan;
 use crate::shaders;
 
 /// Says why no level is gathered; those that are have their pass among the blur's ([`level`]).
 pub fn add(plan: &mut Plan, s: &Setup) {
     if !s.mass {
-        let why = if s.taps == 0 {
+        let why = if s.several {
+            "several profiles scatter, and a shadow map does not say by which its surface does"
+        } else if s.taps == 0 {
             "light is blurred on the screen alone at low quality or with --no-translucent"
         } else if s.shadows.slots == 0 {
             "no light casts a shadow"
@@ -26,7 +28,7 @@ pub fn level(plan: &mut Plan, s: &Setup, i: usize) {
     let Some(level) = s.levels.levels.get(i).filter(|l| l.gathered) else { return };
     let shader = if s.detail { &shaders::TRANSLUCENT_DETAIL } else { &shaders::TRANSLUCENT_PLAIN };
     let pass = plan
-        .compute(&format!("translucent{i}"), shader, Domain::Tiles(tiles::scatter(level.stride)))
+        .compute(&format!("translucent{i}"), shader, tiles::scattering(level.stride))
         .constant("STRIDE", level.stride)
         .constant("TAPS", s.taps)
         .constant("GATHERED", i as u32 - s.levels.first_gathered())

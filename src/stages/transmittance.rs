@@ -3,7 +3,7 @@
 use super::tiles;
 use crate::frame::setup::Setup;
 use crate::methods::separable::tap_rows;
-use crate::plan::{Domain, Plan};
+use crate::plan::Plan;
 use crate::settings::{Transmittance, View};
 use crate::shaders;
 
@@ -23,7 +23,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     };
     let first = tap_rows(s.settings.quality).min(s.kernel.len() as u32);
     let pass = plan
-        .compute("transmittance", &shaders::TRANSMITTANCE, Domain::Tiles(tiles::scatter(1)))
+        .compute("transmittance", &shaders::TRANSMITTANCE, tiles::scattering(1))
         .constant("FIRST", first)
         .constant("GAUSSIANS", s.kernel.len() as u32 - first)
         .constant("OFFSET", offset.to_bits())

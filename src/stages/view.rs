@@ -2,19 +2,23 @@
 
 use super::{curvature, tiles, visibility};
 use crate::frame::setup::Setup;
-use crate::plan::{Domain, Plan};
+use crate::plan::Plan;
 use crate::settings::View;
 use crate::shaders;
 
 /// Adds the pass that shows the target a view names, and the target where the method does not make it.
 pub fn add(plan: &mut Plan, s: &Setup) {
-    match s.settings.view {
+    let view = s.settings.view;
+    if s.is_further() && !matches!(view, View::Curvature | View::SoftNormal | View::SoftCurvature) {
+        return;
+    }
+    match view {
         View::Curvature if !plan.has("curvature") => curvature::add(plan, s),
         View::Lit if !plan.has("lit") => visibility::add(plan, s),
         _ => {}
     }
     let last = s.levels.levels.len().saturating_sub(1);
-    let (shader, source) = match s.settings.view {
+    let (shader, source) = match view {
         View::Albedo => (&shaders::VIEW_ALBEDO, "albedo".to_owned()),
         View::Material => (&shaders::VIEW_ALBEDO, "material".to_owned()),
         View::Normal => (&shaders::VIEW_NORMAL, "normal".to_owned()),
@@ -27,8 +31,9 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         _ => (&shaders::VIEW_DEPTH, String::new()),
     };
     tiles::background(plan, s);
-    plan.compute("view", shader, Domain::Tiles(tiles::SURFACE))
-        .constant("ROOTED", u32::from(s.settings.view == View::Albedo))
+    plan.compute("view", shader, tiles::surface())
+        .constant("ROOTED", u32::from(view == View::Albedo))
+        .constant("OWN", u32::from(s.is_further()))
         .constant("STRIDE", s.levels.levels.last().map_or(1, |l| l.stride))
         .bind("source", source);
 }

@@ -2,7 +2,7 @@
 
 use super::tiles;
 use crate::frame::setup::Setup;
-use crate::plan::{Domain, Plan};
+use crate::plan::Plan;
 use crate::shaders;
 
 /// Adds the pass, if a light has a slot.
@@ -16,6 +16,6 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     if s.detail {
         plan.image("litgeo", s.size);
     }
-    let pass = plan.compute("visibility", shader, Domain::Tiles(tiles::SURFACE));
+    let pass = plan.compute("visibility", shader, tiles::surface());
     s.specialise_lights(pass.bind("normal", s.shading_normal()));
 }

@@ -4,6 +4,7 @@ use super::studio::{Picture, Set, settings};
 use super::{Bench, Measure, Measured, StressError};
 use crate::scene::{Aabb, Camera, Draw, Light, LightKind, Material, Scene};
 use crate::settings::{Method, View};
+use crate::skin::profile::Profile;
 use glam::{DVec3, Mat4, Vec3};
 use std::sync::Arc;
 
@@ -11,7 +12,7 @@ use std::sync::Arc;
 struct Plate {
     middle: Vec3,
     yaw: f32,
-    scatters: bool,
+    scatter: Option<usize>,
     color: f32,
 }
 
@@ -33,7 +34,7 @@ fn plates(list: &[Plate]) -> Result<Scene, StressError> {
         scene.indices.extend(plane.indices.iter().map(|i| i + first));
         scene.draws.push(Draw { material: i, first_index, index_count: plane.indices.len() as u32 });
         let [r, g, b] = [plate.color; 3];
-        let scatter = plate.scatters.then_some(0);
+        let scatter = plate.scatter;
         scene.materials.push(Material { scatter, base_color: [r, g, b, 1.], ..Material::new(&format!("plate {i}")) });
     }
     scene.bounds = Aabb::around(&scene.positions);
@@ -48,11 +49,14 @@ fn draw(bench: &Bench, method: Method, list: &[Plate], from: Vec3) -> Result<Pic
     let direction = from.normalize();
     set.lights = vec![Light { kind: LightKind::Directional { direction }, ..Light::directional(0., 0., 1.) }];
     set.settings.no_shadows = true;
+    if list.iter().any(|p| p.scatter == Some(1)) {
+        set.other = Some(Profile::resolve("skin")?);
+    }
     set.linear(bench)
 }
 
 fn plate(x: f32, z: f32, yaw: f32, scatters: bool) -> Plate {
-    Plate { middle: Vec3::new(x, 0., z), yaw, scatters, color: 1. }
+    Plate { middle: Vec3::new(x, 0., z), yaw, scatter: scatters.then_some(0), color: 1. }
 }
 
 /// Largest difference over what the first picture shows, where `keep` keeps.
@@ -91,29 +95,29 @@ pub fn background(bench: &Bench, method: Method) -> Measured {
     Ok(vec![Measure::new("largest change", figure, band(&alone, &with.times(1.01), |_| true), "wrong: 1 % brighter")])
 }
 
-/// A plate that scatters and one that does not, edge to edge in one plane, one lit and one turned from the light: the seam is
-/// sharp. One profile a scene is all there is today, so two profiles are a profile and none.
+/// Two plates that scatter by different profiles, and one that does not beside one that does, edge to edge, one lit and one turned
+/// from the light: the seam is sharp.
 pub fn touching(bench: &Bench, method: Method) -> Measured {
     // A shallow roof: its left side faces the light, its right side looks away.
     let (sin, cos) = 0.6f32.sin_cos();
-    let side = |right: bool, scatters: bool| {
+    let side = |right: bool, scatter: Option<usize>| {
         let s = if right { 1. } else { -1. };
-        plate(s * 40. * cos, -40. * sin, s * 0.6, scatters)
+        Plate { scatter, ..plate(s * 40. * cos, -40. * sin, s * 0.6, true) }
     };
     // The right side's cosine is just below 0, the left side's .9.
     let from = Vec3::new(-1., 0., 0.61);
-    let alone = draw(bench, method, &[side(true, true)], from)?;
-    let with = draw(bench, method, &[side(false, false), side(true, true)], from)?;
-    let same = draw(bench, method, &[side(false, true), side(true, true)], from)?;
+    let alone = draw(bench, method, &[side(true, Some(0))], from)?;
+    let beside = |scatter| draw(bench, method, &[side(false, scatter), side(true, Some(0))], from);
+    let (bare, other, same) = (beside(None)?, beside(Some(1))?, beside(Some(0))?);
     // The dark side's pixels, those the lit side's rasterisation does not share.
     let w = alone.size[0];
     let dark = |i: usize| i % w > w / 2 + 1;
     // A method that gathers nothing has nothing to leak: there, the wrong picture is all lit.
-    let stranger = band(&alone, &draw(bench, method, &[side(true, true)], Vec3::Z)?, dark);
-    Ok(vec![Measure::new(
-        "bleed into the dark side",
-        band(&alone, &with, dark),
-        band(&alone, &same, dark).max(stranger),
-        "one profile a scene: tested is scattering against not scattering; wrong: one material, where light does pass",
-    )])
+    let stranger = band(&alone, &draw(bench, method, &[side(true, Some(0))], Vec3::Z)?, dark);
+    let wrong = band(&alone, &same, dark).max(stranger);
+    let said = "wrong: one material, where light does pass";
+    Ok(vec![
+        Measure::new("bleed from what does not scatter", band(&alone, &bare, dark), wrong, said),
+        Measure::new("bleed from another profile", band(&alone, &other, dark), wrong, said),
+    ])
 }

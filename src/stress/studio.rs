@@ -128,6 +128,8 @@ pub struct Set {
     pub lights: Vec<Light>,
     /// How the scene scatters.
     pub profile: Option<Profile>,
+    /// How what has the index 1 scatters.
+    pub other: Option<Profile>,
     /// The rest.
     pub settings: Settings,
 }
@@ -143,7 +145,7 @@ impl Set {
         scene.materials.iter_mut().for_each(|m| m.scatter = Some(0));
         let camera = Camera::orbit(20., 30., distance, None, 30., &scene);
         let lights = vec![Light::directional(-40., 35., 1.)];
-        Set { scene: Arc::new(scene), camera, lights, profile: Some(wax()), settings }
+        Set { scene: Arc::new(scene), camera, lights, profile: Some(wax()), other: None, settings }
     }
 
     /// With another view of the same.
@@ -166,7 +168,7 @@ impl Set {
             scene: &self.scene,
             camera: self.camera.clone(),
             lights: self.lights.clone(),
-            profile: self.profile.clone(),
+            profiles: self.profile.clone().into_iter().chain(self.other.clone()).collect(),
             settings: self.settings.clone(),
             timing: None,
             output: Output::Linear,

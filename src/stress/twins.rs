@@ -24,7 +24,8 @@ struct Shot {
 }
 
 fn shot(bench: &Bench, set: &Set) -> Result<Shot, StressError> {
-    let setup = Setup::new(&set.inputs())?;
+    let setups = Setup::all(&set.inputs())?;
+    let setup = setups[0].clone();
     let view = set.camera.view_from_world();
     let depth = set.seeing(View::Depth).linear(bench)?;
     let normal = set.seeing(View::Normal).linear(bench)?;

@@ -82,8 +82,8 @@ impl Sum {
     }
 }
 
-/// Which faces any pixel can draw light from: those that scatter and lie within `reach` of a seen place, roughly.
-pub fn faces_in_reach(surface: &Surface<'_>, seen: &[DVec3], reach: f64) -> Vec<u32> {
+/// Which faces any pixel can draw light from: those that scatter by the same profile and lie within `reach` of a seen place, roughly.
+pub fn faces_in_reach(surface: &Surface<'_>, profile: usize, seen: &[DVec3], reach: f64) -> Vec<u32> {
     let cell = |x: f64| (x / reach).floor() as i64;
     let cells: HashSet<[i64; 3]> = seen.iter().map(|p| p.to_array().map(cell)).collect();
     let near = |face: &u32| {
@@ -96,7 +96,10 @@ pub fn faces_in_reach(surface: &Surface<'_>, seen: &[DVec3], reach: f64) -> Vec<
             || (low[0]..=high[0])
                 .any(|x| (low[1]..=high[1]).any(|y| (low[2]..=high[2]).any(|z| cells.contains(&[x, y, z]))))
     };
-    (0..surface.faces.len() as u32).into_par_iter().filter(|f| surface.scatters(*f) && near(f)).collect()
+    (0..surface.faces.len() as u32)
+        .into_par_iter()
+        .filter(|f| surface.profile(*f) == Some(profile) && near(f))
+        .collect()
 }
 
 /// Samples of a set of faces.

@@ -29,6 +29,7 @@ use crate::frame::Inputs;
 use crate::frame::setup::ViewFacts;
 use crate::report::picture::PictureError;
 use crate::scene::{Alpha, Projection};
+use crate::skin::profile::Profile;
 use bands::BORDER;
 use cloud::{Cloud, Sum};
 use eye::{Eye, Seen};
@@ -114,7 +115,7 @@ pub struct Truth {
     pub refined: usize,
     /// Kernel mass, 5th, 50th and 95th percentile over covered pixels, green.
     pub mass: [f64; 3],
-    /// Where the near part ends and how far the kernel reaches, mm.
+    /// Where the near part ends and how far the kernel reaches, mm; of several profiles, those of the first.
     pub radii_mm: [f64; 2],
     /// Seconds of wall time, those of an interrupted run included.
     pub seconds: f64,
@@ -161,7 +162,7 @@ pub fn resume(
     let facts = ViewFacts::new(&inputs.camera, size, scene.bounds.min, scene.bounds.max);
     let parallel = matches!(inputs.camera.projection, Projection::Orthographic { .. });
     let footprint = |depth: f64| if parallel { 1. } else { depth } / facts.pixels_per_mm;
-    let length = inputs.profile.as_ref().map_or(0., |p| p.mean_radius_mm().into_iter().fold(0., f64::max));
+    let length = inputs.profiles.iter().flat_map(Profile::mean_radius_mm).fold(0., f64::max);
     let length = if length > 0. { length } else { 1. };
     let bands = bands::bands(&surface, &inputs.lights, shadows, &seen, &window, footprint, length);
 
@@ -169,20 +170,11 @@ pub fn resume(
     let own: Vec<Option<&Seen>> = (0..window.pixels())
         .map(|i| seen[(i / window.width as usize + BORDER) * width + i % window.width as usize + BORDER].as_ref())
         .collect();
-    let scattering: Vec<DVec3> =
-        own.iter().flatten().filter(|s| surface.scatters(s.place.face)).map(|s| s.place.position).collect();
-    let reach = inputs.profile.as_ref().map_or(0., Kernel::reach_of);
-    let faces = if reach > 0. { cloud::faces_in_reach(&surface, &scattering, reach) } else { Vec::new() };
-    let area: f64 = faces.iter().map(|f| surface.faces[*f as usize].area()).sum();
-    let half = (effort.samples / 2).max(1);
-    let split = SPLIT * (area / half as f64).sqrt();
-    let kernel = inputs.profile.as_ref().filter(|_| !faces.is_empty()).map(|p| Kernel::new(p, split));
-    let count = if split < reach { half } else { 1 };
-    let clouds: [Cloud; 2] =
-        std::array::from_fn(|k| Cloud::new(&surface, &faces, &inputs.lights, shadows, count, k as u64 + 1));
+    let bodies: Vec<Option<Body>> =
+        (0..inputs.profiles.len()).map(|k| Body::new(inputs, &surface, k, &own, effort)).collect();
     progress(100);
 
-    let solver = Solver { inputs, surface: &surface, shadows, kernel: kernel.as_ref(), clouds: &clouds, effort };
+    let solver = Solver { inputs, surface: &surface, shadows, bodies: &bodies, effort };
     let mut said = warnings(inputs);
     let key = if checkpoint.is_some() { state::key(inputs, window, effort) } else { [0; 2] };
     let (before, mut work) = match checkpoint.map_or(Found::Nothing, |c| c.load(key, own.len())) {
@@ -223,10 +215,10 @@ pub fn resume(
         halves: std::array::from_fn(|k| work.iter().map(|w| w.halves[k]).collect()),
         bands,
         error: estimate(&work, tree),
-        samples: clouds.iter().map(Cloud::len).sum(),
+        samples: bodies.iter().flatten().flat_map(|b| &b.clouds).map(Cloud::len).sum(),
         refined: work.iter().filter(|w| w.refined > 0).count(),
         mass: [at(0.05), at(0.5), at(0.95)],
-        radii_mm: kernel.as_ref().map_or([0.; 2], |k| [k.near_end(), k.reach]),
+        radii_mm: bodies.iter().flatten().next().map_or([0.; 2], |b| [b.kernel.near_end(), b.kernel.reach]),
         seconds: before + start.elapsed().as_secs_f64(),
         resumed,
         warnings: said,
@@ -240,31 +232,68 @@ impl Work {
     }
 }
 
+/// All that scatters by one profile: other surface gives it no light, and gets none of it.
+struct Body {
+    kernel: Kernel,
+    clouds: [Cloud; 2],
+}
+
+impl Body {
+    fn new(
+        inputs: &Inputs<'_>,
+        surface: &Surface<'_>,
+        profile: usize,
+        own: &[Option<&Seen>],
+        effort: &Effort,
+    ) -> Option<Body> {
+        let scatters = |s: &&&Seen| surface.profile(s.place.face) == Some(profile);
+        let scattering: Vec<DVec3> = own.iter().flatten().filter(scatters).map(|s| s.place.position).collect();
+        let reach = Kernel::reach_of(&inputs.profiles[profile]);
+        let faces = if reach > 0. { cloud::faces_in_reach(surface, profile, &scattering, reach) } else { Vec::new() };
+        if faces.is_empty() {
+            return None;
+        }
+        let area: f64 = faces.iter().map(|f| surface.faces[*f as usize].area()).sum();
+        let half = (effort.samples / 2).max(1);
+        let split = SPLIT * (area / half as f64).sqrt();
+        let count = if split < reach { half } else { 1 };
+        let shadows = !inputs.settings.no_shadows;
+        Some(Body {
+            kernel: Kernel::new(&inputs.profiles[profile], split),
+            clouds: std::array::from_fn(|k| Cloud::new(surface, &faces, &inputs.lights, shadows, count, k as u64 + 1)),
+        })
+    }
+}
+
 /// Everything that a pixel needs.
 struct Solver<'a> {
     inputs: &'a Inputs<'a>,
     surface: &'a Surface<'a>,
     shadows: bool,
-    kernel: Option<&'a Kernel>,
-    clouds: &'a [Cloud; 2],
+    bodies: &'a [Option<Body>],
     effort: &'a Effort,
 }
 
 impl Solver<'_> {
+    /// What a face scatters with.
+    fn body(&self, face: u32) -> Option<(usize, &Body)> {
+        let profile = self.surface.profile(face)?;
+        Some((profile, self.bodies.get(profile)?.as_ref()?))
+    }
+
     fn pixel(&self, seen: &Seen, index: u64) -> Work {
         let x = &seen.place;
         let here = lighting::irradiance(self.surface, &self.inputs.lights, self.shadows, x);
         let plain = Work { covered: 1, value: here, halves: [here; 2], ..Work::default() };
-        let Some(kernel) = self.kernel.filter(|_| self.surface.scatters(x.face)) else { return plain };
+        let Some((profile, Body { kernel, clouds })) = self.body(x.face) else { return plain };
         let mut core = Sum::default();
         core.add(kernel.core_share, here);
         if !kernel.spreads() {
             return plain;
         }
-        let far: [Sum; 2] =
-            std::array::from_fn(|k| self.clouds[k].far(kernel, x.position, self.effort.opening).plus(&core));
+        let far: [Sum; 2] = std::array::from_fn(|k| clouds[k].far(kernel, x.position, self.effort.opening).plus(&core));
         let mean_far = far[0].plus(&far[1]).times(0.5);
-        let near = Near { surface: self.surface, lights: &self.inputs.lights, shadows: self.shadows, kernel };
+        let near = Near { surface: self.surface, lights: &self.inputs.lights, shadows: self.shadows, kernel, profile };
         let mut rays = FIRST_RAYS;
         loop {
             let round = (rays / FIRST_RAYS) as u64;
@@ -289,12 +318,12 @@ impl Solver<'_> {
 
     /// How far the tree's clusters move some pixels, from asking twice as finely; clustering is of second order.
     fn tree_error(&self, own: &[Option<&Seen>], work: &[Work]) -> f64 {
-        let Some(kernel) = self.kernel else { return 0. };
         let places: Vec<usize> = (0..own.len()).filter(|i| work[*i].mass > 0.).collect();
         let step = places.len().div_ceil(PROBES).max(1);
         let square = |i: &usize| {
             let Some(seen) = own[*i] else { return 0. };
-            let far = |opening: f64| self.clouds[0].far(kernel, seen.place.position, opening);
+            let Some((_, body)) = self.body(seen.place.face) else { return 0. };
+            let far = |opening: f64| body.clouds[0].far(&body.kernel, seen.place.position, opening);
             let (coarse, fine) = (far(self.effort.opening), far(0.5 * self.effort.opening));
             // The other parts of the mass stay as they are.
             (0..3)

@@ -21,6 +21,8 @@ pub struct Near<'a> {
     pub shadows: bool,
     /// The profile.
     pub kernel: &'a Kernel,
+    /// Whose surface counts: that of its own materials.
+    pub profile: usize,
 }
 
 impl Near<'_> {
@@ -49,7 +51,7 @@ impl Near<'_> {
     }
 
     fn found(&self, sum: &mut Sum, x: &Place, hit: &Hit, axes: &[(DVec3, DVec3, DVec3, usize); 3]) {
-        if !self.surface.scatters(hit.face) {
+        if self.surface.profile(hit.face) != Some(self.profile) {
             return;
         }
         let y = self.surface.place(hit.face, hit.at);

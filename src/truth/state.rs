@@ -97,7 +97,7 @@ pub(super) fn key(inputs: &Inputs<'_>, window: Window, effort: &Effort) -> [u64;
         settings.no_shadows,
         inputs.camera,
         inputs.lights,
-        inputs.profile,
+        inputs.profiles,
         scene.draws,
         scene.materials,
         scene.bounds

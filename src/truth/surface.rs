@@ -144,10 +144,10 @@ impl<'a> Surface<'a> {
         Self { faces, scene, boxes, eye, slack, normal_maps, steps }
     }
 
-    /// Whether a face's material has a profile.
-    pub fn scatters(&self, face: u32) -> bool {
+    /// The profile of a face's material.
+    pub fn profile(&self, face: u32) -> Option<usize> {
         let material = self.faces[face as usize].material as usize;
-        self.scene.materials.get(material).is_some_and(|m| m.scatter.is_some())
+        self.scene.materials.get(material).and_then(|m| m.scatter)
     }
 
     fn double_sided(&self, face: &Face) -> bool {

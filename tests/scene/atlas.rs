@@ -15,7 +15,7 @@ fn what_has_no_place_of_its_own_is_refused() {
     let why = |change: &dyn Fn(&mut Scene)| {
         let mut scene = scattering("torus:10,4");
         change(&mut scene);
-        let refused = Atlas::new(&scene).err().unwrap_or_default();
+        let refused = Atlas::new(&scene, 0).err().unwrap_or_default();
         println!("{refused}");
         assert!(!refused.contains('\n'));
         refused
@@ -31,7 +31,7 @@ fn what_has_no_place_of_its_own_is_refused() {
 #[test]
 fn charts_and_cuts_of_the_shapes() {
     for (name, charts, side) in [("sphere:10", 6, 0.), ("torus:10,4", 1, 0.), ("plane", 1, 0.)] {
-        let atlas = Atlas::new(&scattering(name)).expect("good coordinates");
+        let atlas = Atlas::new(&scattering(name), 0).expect("good coordinates");
         println!("{name}: {} charts, {} sides of cuts, {:.2} mm", atlas.count, atlas.seams.len(), atlas.side_mm);
         assert_eq!(atlas.count, charts, "{name}");
         assert!(atlas.side_mm > side);
@@ -43,7 +43,7 @@ fn charts_and_cuts_of_the_shapes() {
 #[test]
 fn a_cut_leads_to_the_surface_beyond_it() {
     let scene = scattering("torus:10,4");
-    let atlas = Atlas::new(&scene).expect("good coordinates");
+    let atlas = Atlas::new(&scene, 0).expect("good coordinates");
     let (side, border) = (512u32, atlas.border(4.));
     let filled = gutter(&atlas, side, border, 4. / atlas.side_mm);
     let scale = f64::from(side) * (1. - 2. * border);

@@ -77,7 +77,7 @@ impl Set {
             scene: &self.scene,
             camera: self.camera.clone(),
             lights: self.lights.clone(),
-            profile: self.profile.clone(),
+            profiles: self.profile.clone().into_iter().collect(),
             settings: self.settings.clone(),
             timing: None,
             output: self.output,

@@ -57,13 +57,13 @@ impl Atlas {
         (-1..=1).all(|dy| (-1..=1).all(|dx| self.covered[((y + dy) * GRID as i64 + x + dx) as usize] > 0))
     }
 
-    /// Looks at the scattering draws of a scene.
+    /// Looks at the draws of a scene that scatter by the profile of this index ([`Material::scatter`](super::Material::scatter)).
     ///
     /// # Errors
     /// Where there are no coordinates, or they leave the unit square, or two parts of the surface share a place; one line that
     /// says how much and what would be right.
-    pub fn new(scene: &Scene) -> Result<Atlas, String> {
-        let triangles = scattering(scene);
+    pub fn new(scene: &Scene, profile: usize) -> Result<Atlas, String> {
+        let triangles = scattering(scene, profile);
         if scene.uvs.is_empty() || triangles.is_empty() {
             return Err(
                 "it has no texture coordinates; unwrap it, or take a method that works on the screen".to_owned()
@@ -103,9 +103,9 @@ impl Atlas {
     }
 }
 
-/// Triangles of the materials that scatter.
-fn scattering(scene: &Scene) -> Vec<[u32; 3]> {
-    let scatters = |m: usize| scene.materials.get(m).is_some_and(|m| m.scatter.is_some());
+/// Triangles of the materials that scatter by a profile.
+fn scattering(scene: &Scene, profile: usize) -> Vec<[u32; 3]> {
+    let scatters = |m: usize| scene.materials.get(m).is_some_and(|m| m.scatter == Some(profile));
     let draws = scene.draws.iter().filter(|d| scatters(d.material));
     let range = |first: u32, count: u32| first as usize..(first + count) as usize;
     draws

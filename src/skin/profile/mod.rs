@@ -82,6 +82,14 @@ impl Profile {
         file::BUILT_IN.iter().map(|(name, _)| *name).collect()
     }
 
+    /// The names of several, as people read them.
+    pub fn joined(profiles: &[Profile]) -> String {
+        match profiles {
+            [] => "none".to_owned(),
+            all => all.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(" + "),
+        }
+    }
+
     /// A built-in profile by name, or one read from a path that ends in `.toml`.
     pub fn resolve(arg: &str) -> Result<Profile, ProfileError> {
         file::resolve(arg)
