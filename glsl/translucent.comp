@@ -89,9 +89,10 @@ void main() {
         Light light = lights.light[i];
         if (light.slot < 0) continue;
         float c = dot(n, light.position);
-        float x = gathered(light.layer, position, n, c) * scale;
         // At a terminator the light's view sees the surface edge on and few offsets find it; there the camera sees it better.
         float share = needed * smoothstep(.08, .3, abs(c));
+        if (share == 0.) continue;
+        float x = gathered(light.layer, position, n, c) * scale;
         if (light.slot == 0) { found.x = x; shares.x = share; } else { found.y = x; shares.y = share; }
     }
     vec2 seen = unpackUnorm2x16(imageLoad(blurred, texel).x);
