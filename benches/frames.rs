@@ -3,6 +3,9 @@
 //! `cargo bench --bench frames [-- [SCENE] [WIDTHxHEIGHT] [-o FILE]]`. Two files of one device are held against each other by
 //! `pdss profile --compare OLD NEW`. Stages are timed alone (isolated); the frame's wall time is that of the same frames.
 
+#[path = "common/mod.rs"]
+mod common;
+
 use clap::ValueEnum;
 use pdss::frame::{Inputs, Output, Renderer};
 use pdss::gpu::timing::TimingMode;
@@ -12,17 +15,15 @@ use pdss::report::record::{Record, Subject};
 use pdss::scene::{Camera, Light, LoadOptions, Scene};
 use pdss::settings::{Method, Quality, Settings, Size};
 use pdss::skin::profile::Profile;
-use std::path::Path;
 
 const FRAMES: usize = 10;
 const WARM_UP: usize = 3;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
-    let output = arguments.iter().position(|a| a == "-o").and_then(|i| arguments.get(i + 1)).cloned();
-    let free = || arguments.iter().filter(|a| *a != "-o" && Some(*a) != output.as_ref());
-    let size = free().find_map(|a| pdss::settings::parse_size(a).ok()).unwrap_or(Size { width: 1650, height: 1080 });
-    let name = free().find(|a| pdss::settings::parse_size(a).is_err()).map_or("bust", String::as_str);
+    let (arguments, output) = common::arguments();
+    let parsed = |a: &String| pdss::settings::parse_size(a);
+    let size = arguments.iter().find_map(|a| parsed(a).ok()).unwrap_or(Size { width: 1650, height: 1080 });
+    let name = arguments.iter().find(|a| parsed(a).is_err()).map_or("bust", String::as_str);
     let gpu = Gpu::open(&Options::default())?;
     let mut records = Vec::new();
     for method in Method::value_variants() {
@@ -60,23 +61,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             records.push(record);
         }
     }
-    let commit = std::process::Command::new("git").args(["rev-parse", "--short", "HEAD"]).output().ok();
-    let commit = commit.filter(|o| o.status.success()).map(|o| String::from_utf8_lossy(&o.stdout).trim().to_owned());
     let info = gpu.info();
     let all = serde_json::json!({
-        "schema": 1, "device": info.name, "driver": info.driver, "commit": commit, "records": records,
+        "schema": 1, "device": info.name, "driver": info.driver, "commit": common::commit(), "records": records,
     });
-    let text = serde_json::to_string_pretty(&all)? + "\n";
-    match output {
-        Some(path) => {
-            let path = Path::new(&path);
-            let mut file = tempfile::NamedTempFile::new_in(
-                path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new(".")),
-            )?;
-            std::io::Write::write_all(&mut file, text.as_bytes())?;
-            file.persist(path)?;
-        }
-        None => print!("{text}"),
-    }
+    common::write(&all, output)?;
     Ok(gpu.close()?)
 }

@@ -1,7 +1,7 @@
 //! A frame: planned, created and recorded once, submitted as often as one likes.
 
 pub mod brightness;
-mod constants;
+pub mod constants;
 mod environment;
 mod inside;
 pub mod levels;
@@ -145,10 +145,7 @@ impl Renderer {
         let mut plan = methods::plan(&setups)?;
         // What all profiles share, each of them knows.
         let setup = &setups[0];
-        plan.fit(|desc| {
-            let asked = gpu.requirements(desc);
-            Need { bytes: asked.size, alignment: asked.alignment, types: asked.memory_type_bits }
-        });
+        plan.fit(|desc| Need::on(gpu, desc));
         edit(&mut plan);
         times.plan_ms = milliseconds(start);
         let start = Instant::now();
@@ -308,6 +305,18 @@ impl Renderer {
             counts.insert(name.clone(), bytemuck::pod_read_unaligned(&host.bytes()?[..4]));
         }
         Ok(counts)
+    }
+
+    /// The bytes of a target that the plan keeps, after the last run, row by row from the top.
+    ///
+    /// # Errors
+    /// Where there is no such target, or the device is lost.
+    pub fn texels(&self, name: &str) -> Result<Vec<u8>, FrameError> {
+        let image =
+            self.images.get(name).ok_or_else(|| GpuError::Misuse(format!("this frame has no target {name}")))?;
+        let (commands, buffer) = record::read_back(&self.gpu, &self.plan, name, image)?;
+        commands.run()?;
+        Ok(buffer.bytes()?.to_vec())
     }
 
     fn read<T>(&mut self, name: &str, decode: impl Fn(&[u8]) -> Vec<T>) -> Result<Vec<T>, FrameError> {

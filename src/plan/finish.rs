@@ -22,9 +22,7 @@ impl Plan {
                             resource: name.clone(),
                         });
                     }
-                    // What the host reads is needed until the next frame begins.
-                    let last = if t.kept { self.passes.len() } else { index };
-                    t.lifetime = (t.lifetime.0.min(index), t.lifetime.1.max(last));
+                    t.lifetime = (t.lifetime.0.min(index), t.lifetime.1.max(index));
                     t.desc.usage |= image_usage(*usage);
                 }
             }

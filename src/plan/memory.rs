@@ -1,6 +1,7 @@
 //! Where each image lies: images that are never needed at once take turns in the same bytes.
 
 use super::{Plan, TargetPlan, texel_bytes};
+use crate::gpu::Gpu;
 use crate::gpu::image::ImageDesc;
 use std::collections::BTreeMap;
 
@@ -19,6 +20,12 @@ impl Need {
     /// Before a device has been asked: its texels, anywhere.
     pub fn of_texels(desc: &ImageDesc) -> Need {
         Need { bytes: texels(desc), alignment: 1, types: !0 }
+    }
+
+    /// As the device asks.
+    pub fn on(gpu: &Gpu, desc: &ImageDesc) -> Need {
+        let asked = gpu.requirements(desc);
+        Need { bytes: asked.size, alignment: asked.alignment, types: asked.memory_type_bits }
     }
 }
 

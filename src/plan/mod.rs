@@ -266,10 +266,12 @@ impl Plan {
         self.targets.contains_key(&self.meant(name, self.profile))
     }
 
-    /// Keeps a target's content for the host.
+    /// Keeps a target's content for the host: no other is laid over it until the next frame begins. In a plan that is finished
+    /// already, [`Plan::fit`] must follow.
     pub fn keep(&mut self, name: &str) {
         if let Some(t) = self.targets.get_mut(name) {
             t.kept = true;
+            t.lifetime.1 = self.passes.len();
             t.desc.usage |= vk::ImageUsageFlags::TRANSFER_SRC;
         }
     }
