@@ -273,6 +273,11 @@ pub struct Settings {
     /// Cast no shadows.
     #[arg(long)]
     pub no_shadows: bool,
+    /// Draw shadow maps once and keep them from frame to frame, until a light moves: faster where scene and lights stand still,
+    /// and nothing else may lie in their memory.
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub still: bool,
     /// No ambient occlusion from curvature.
     #[arg(long)]
     pub no_ao: bool,
@@ -332,6 +337,7 @@ impl Default for Settings {
             ambient: Ambient { up: [0.03; 3], down: [0.03; 3] },
             fuzz: 0.,
             no_shadows: false,
+            still: false,
             no_ao: false,
             no_translucent: false,
             no_elide: Vec::new(),

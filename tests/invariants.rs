@@ -35,6 +35,7 @@ const CHECKS: &[(&str, Check)] = &[
     ("leaving out changes no bit", spared::left_out),
     ("what scatters nowhere is a plain deferred frame", spared::plain),
     ("another view records nothing again", spared::looks),
+    ("shadow maps stay while lights do", spared::still),
     ("a frame run again is a submit", spared::submits),
     ("what memory held changes no bit", same_bits::unwritten),
     ("a mirrored scene gives a mirrored picture", symmetry::mirror),

@@ -19,7 +19,7 @@ pub use setup::{Output, Setup};
 
 use crate::gpu::pipeline::Pipeline;
 use crate::gpu::submit::Recorded;
-use crate::gpu::timing::{Timer, TimingMode};
+use crate::gpu::timing::TimingMode;
 use crate::gpu::{Block, Buffer, Gpu, GpuError, Image};
 use crate::methods;
 use crate::plan::{Need, Plan, PlanError};
@@ -110,6 +110,12 @@ pub struct CpuTimes {
 /// A frame, ready to run.
 pub struct Renderer {
     recorded: Recorded,
+    /// The frame without what it has kept from an earlier one; none where it keeps nothing.
+    rest: Option<Recorded>,
+    /// What is kept must be drawn again.
+    stale: bool,
+    /// The last run drew it.
+    drew: bool,
     readback: Option<(Recorded, Buffer)>,
     plan: Plan,
     images: BTreeMap<String, Image>,
@@ -168,7 +174,6 @@ impl Renderer {
         let (pipelines, classes) = record::pipelines(gpu, &plan, &draws, &overlay)?;
         times.pipelines_ms = milliseconds(start);
         let start = Instant::now();
-        let timer = inputs.timing.map(|mode| Timer::new(gpu, plan.passes.len(), mode)).transpose()?;
         let world = record::World {
             plan: &plan,
             images: &images,
@@ -182,10 +187,14 @@ impl Renderer {
             scatters: setups.iter().any(|s| s.scatters),
             profiles: &inputs.profiles,
         };
-        let recorded = record::record(gpu, timer, &world)?;
+        let recorded = record::record(gpu, 0, inputs.timing, &world)?;
+        let rest = (plan.still > 0).then(|| record::record(gpu, plan.still, inputs.timing, &world)).transpose()?;
         times.record_ms = milliseconds(start);
         Ok(Renderer {
             recorded,
+            rest,
+            stale: true,
+            drew: true,
             readback: None,
             plan,
             images,
@@ -213,17 +222,25 @@ impl Renderer {
         &self.plan
     }
 
-    /// One submit; waits for it.
+    /// One submit; waits for it. With [`Settings::still`] shadow maps are drawn by the first, and by the first after
+    /// [`Renderer::look`] moved a light.
     ///
     /// # Errors
     /// Where the device is lost.
     pub fn run(&mut self) -> Result<(), FrameError> {
         let start = Instant::now();
-        let driver = self.recorded.run()?;
+        self.drew = self.stale || self.rest.is_none();
+        let driver = self.last().run()?;
+        self.stale = false;
         let all = start.elapsed();
         self.times.last_run_ms = all.as_secs_f64() * 1e3;
         self.times.last_own_us = all.saturating_sub(driver).as_secs_f64() * 1e6;
         Ok(())
+    }
+
+    /// What the last run submitted.
+    fn last(&self) -> &Recorded {
+        self.rest.as_ref().filter(|_| !self.drew).unwrap_or(&self.recorded)
     }
 
     /// Moves the eye or the lights, for the next [`Renderer::run`]: a write of some constants, nothing is recorded again. All
@@ -246,6 +263,7 @@ impl Renderer {
             && self.plan.records_as(&plan);
         if same {
             self.resources.rewrite(inputs, &setups)?;
+            self.stale |= self.setups[0].shadows.matrices != setups[0].shadows.matrices;
             self.setups = setups;
         }
         Ok(same)
@@ -256,8 +274,9 @@ impl Renderer {
     /// # Errors
     /// Where the driver refuses.
     pub fn times(&self) -> Result<Vec<(String, Option<f64>)>, FrameError> {
-        let Some(timer) = self.recorded.timer() else { return Ok(Vec::new()) };
-        let names = self.plan.passes.iter().map(|p| p.name.clone());
+        let Some(timer) = self.last().timer() else { return Ok(Vec::new()) };
+        let kept = if self.drew { 0 } else { self.plan.still };
+        let names = self.plan.passes.iter().skip(kept).map(|p| p.name.clone());
         Ok(names.zip(timer.read()?).collect())
     }
 

@@ -8,7 +8,7 @@ use crate::gpu::commands::{Guarded, Recorder};
 use crate::gpu::pass::{Attachments, Bound};
 use crate::gpu::pipeline::{Pipeline, Raster};
 use crate::gpu::submit::Recorded;
-use crate::gpu::timing::Timer;
+use crate::gpu::timing::{Timer, TimingMode};
 use crate::gpu::usage::{Barrier, State, Usage};
 use crate::gpu::{Buffer, Gpu, GpuError, Image};
 use crate::plan::{Domain, Geometry, Pass, Plan, Work, of_profile};
@@ -173,15 +173,25 @@ pub fn pipelines(
     Ok((made.into_iter().flatten().collect(), classes))
 }
 
-/// Records the frame.
+/// Records the frame from pass `first` on. What the passes before it have drawn is where the last frame has left it: seen by
+/// whoever reads it, in the layout that they read it in.
 ///
 /// # Errors
 /// Where a resource is missing, or the driver refuses.
-pub fn record(gpu: &Arc<Gpu>, timer: Option<Timer>, world: &World<'_>) -> Result<Recorded, FrameError> {
+pub fn record(
+    gpu: &Arc<Gpu>,
+    first: usize,
+    timing: Option<TimingMode>,
+    world: &World<'_>,
+) -> Result<Recorded, FrameError> {
+    let passes = &world.plan.passes;
+    let timer = timing.map(|mode| Timer::new(gpu, passes.len() - first, mode)).transpose()?;
+    let kept = |name: &String| passes[..first].iter().any(|p| p.accesses.iter().any(|(n, _)| n == name));
     let mut recorder = Recorder::new(gpu, timer)?;
-    for (index, pass) in world.plan.passes.iter().enumerate() {
+    for (index, pass) in passes.iter().enumerate().skip(first) {
+        let waits = pass.barriers.iter().filter(|(name, _)| !kept(name));
         let barriers: Vec<(Guarded<'_>, Barrier)> =
-            pass.barriers.iter().filter_map(|(name, b)| Some((world.guarded(name)?, *b))).collect();
+            waits.filter_map(|(name, b)| Some((world.guarded(name)?, *b))).collect();
         let mut open = recorder.pass(&pass.name, &barriers);
         match &pass.work {
             Work::Compute { domain, .. } => {

@@ -41,6 +41,12 @@ pub fn plan(setups: &[Setup]) -> Result<Plan, PlanError> {
     stages::tonemap::add(&mut plan, first);
     spared::note(&mut plan, first);
     plan.keep(first.kept());
+    if first.settings.still {
+        plan.keep_still(&["shadow", "entrance"]);
+        if plan.still > 0 {
+            plan.leave_out("shadow maps, but in the first frame", "--still: no light moves", 0);
+        }
+    }
     plan.finish()?;
     Ok(plan)
 }

@@ -174,6 +174,8 @@ pub struct Plan {
     pub targets: BTreeMap<String, TargetPlan>,
     /// Device-written buffers by name.
     pub buffers: BTreeMap<String, BufferPlan>,
+    /// So many passes at the start draw what stands still; frames to come may begin behind them ([`Plan::keep_still`]).
+    pub still: usize,
     /// What was left out.
     pub left_out: Vec<LeftOut>,
     /// Resources made outside of the frame and never written by it (scene buffers, tables).
@@ -273,6 +275,27 @@ impl Plan {
             t.kept = true;
             t.lifetime.1 = self.passes.len();
             t.desc.usage |= vk::ImageUsageFlags::TRANSFER_SRC;
+        }
+    }
+
+    /// Keeps from frame to frame what the passes at the start draw into these images alone, if no later one does.
+    pub fn keep_still(&mut self, images: &[&str]) {
+        let draws = |pass: &Pass| match &pass.work {
+            Work::Raster { colors, depth, .. } => {
+                let mut all = colors.iter().map(|c| &c.0).chain(depth.as_ref().map(|d| &d.0));
+                all.all(|name| images.contains(&name.as_str()))
+            }
+            _ => false,
+        };
+        let first = self.passes.iter().take_while(|p| draws(p)).count();
+        if first == 0 || self.passes[first..].iter().any(draws) {
+            return;
+        }
+        self.still = first;
+        for name in images {
+            if let Some(t) = self.targets.get_mut(*name) {
+                t.lifetime.1 = self.passes.len();
+            }
         }
     }
 

@@ -4,7 +4,8 @@ use crate::same_bits::{SCATTERING, torus};
 use crate::studio::Set;
 use clap::ValueEnum;
 use pdss::frame::Renderer;
-use pdss::gpu::Gpu;
+use pdss::gpu::timing::TimingMode;
+use pdss::gpu::{Gpu, Options};
 use pdss::plan::Plan;
 use pdss::scene::{Camera, Light, LightKind};
 use pdss::settings::{Ambient, Method, Spared, View};
@@ -130,6 +131,57 @@ pub fn looks(gpu: &Arc<Gpu>) -> Vec<Outcome> {
         );
         all.push(Outcome { text, holds: looked && !again && refused && n == 0, can_fail: off > 500 });
     }
+    all
+}
+
+/// Shadow maps are drawn once, kept while only the eye moves, and drawn again when a light does: the bits of frames that draw
+/// them every time.
+pub fn still(gpu: &Arc<Gpu>) -> Vec<Outcome> {
+    let unwatched = Gpu::open(&Options::default()).expect("a Vulkan device");
+    let mut all = Vec::new();
+    for method in std::iter::once(Method::Lambert).chain(SCATTERING) {
+        let here = torus(method, View::Final);
+        let mut beside = here.clone();
+        beside.camera = Camera::orbit(35., 20., 420., None, 30., &here.scene);
+        let mut moved = beside.clone();
+        moved.lights = vec![Light::directional(-10., 50., 0.8), Light::directional(80., 5., 0.7)];
+        let keeping = |set: &Set| {
+            let mut set = set.clone();
+            set.settings.still = true;
+            set
+        };
+        let start = keeping(&here);
+        let mut inputs = start.inputs();
+        inputs.timing = Some(TimingMode::Isolated);
+        let mut renderer = Renderer::new(gpu, inputs).expect("a frame");
+        // Each set as the next frame, and whether that should draw the maps.
+        let turns = [(&here, true), (&here, false), (&beside, false), (&moved, true), (&moved, false), (&here, true)];
+        let (mut drawn, mut differing) = (Vec::new(), 0);
+        for (set, _) in turns {
+            assert!(renderer.look(&keeping(set).inputs()).expect("a plan"), "{method:?}");
+            renderer.run().expect("it runs");
+            drawn.push(renderer.times().expect("stamps").iter().any(|(name, _)| name.starts_with("shadow")));
+            let mut picture = set.linear(gpu);
+            let fresh = picture.clone();
+            picture.texels = renderer.linear().expect("a picture");
+            differing += picture.differing(&fresh);
+        }
+        // The twin keeps the pass behind the maps, too, which draws what the eye sees.
+        let mut greedy = Renderer::edited(&unwatched, start.inputs(), |plan| plan.still += 1).expect("a frame");
+        greedy.run().expect("it runs");
+        assert!(greedy.look(&keeping(&beside).inputs()).expect("a plan"), "{method:?}");
+        greedy.run().expect("it runs");
+        let fresh = beside.linear(gpu);
+        let mut wrong = fresh.clone();
+        wrong.texels = greedy.linear().expect("a picture");
+        let off = wrong.differing(&fresh);
+        let asked = turns.map(|t| t.1);
+        let text = format!(
+            "{method:?}: maps drawn {drawn:?}, {differing} pixels differ from frames that draw them each time; keeping what the eye sees, too: {off}"
+        );
+        all.push(Outcome { text, holds: drawn == asked && differing == 0, can_fail: off > 100 });
+    }
+    unwatched.close().expect("nothing leaks");
     all
 }
 
