@@ -62,7 +62,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     if s.shadows.slots == 0 {
         pass.absent("lit");
     }
-    if s.shadows.matrices.is_empty() {
+    if !s.shadows.look_up() {
         pass.bind("shadow", "no shadow");
     }
 }
