@@ -1,5 +1,5 @@
 //! What is dear to make and the same the next time, kept in files: pipelines as the driver compiled them, the kernel's mass of
-//! a mesh. A file that is damaged, cut off, or of another key is not there, and is replaced.
+//! a mesh, the table of a profile. A file that is damaged, cut off, or of another key is not there, and is replaced.
 
 use std::fs;
 use std::io::Write;
@@ -54,6 +54,13 @@ impl Cache {
     fn path(&self, kind: &str, key: u64) -> PathBuf {
         self.folder.join(format!("{kind}-{key:016x}"))
     }
+}
+
+/// When the running program was built, ns: what it makes may be made otherwise by another. 0 where nobody knows.
+pub fn program() -> u64 {
+    let file = std::env::current_exe().and_then(|exe| exe.metadata()).ok();
+    let built = file.and_then(|m| m.modified().ok()).and_then(|t| t.duration_since(std::time::UNIX_EPOCH).ok());
+    built.map_or(0, |t| t.as_nanos() as u64)
 }
 
 /// 64 bits of some runs of bytes, eight at a time: FNV-1a's step (Fowler, Noll & Vo 1991) over words, and its lengths. It tells

@@ -3,11 +3,10 @@
 use super::constants::Constants;
 use super::setup::Setup;
 use super::upload::{Pixels, Upload, constants, texels};
-use super::{FrameError, Inputs, environment};
+use super::{FrameError, Inputs, environment, table};
 use crate::gpu::pass::Bound;
 use crate::gpu::{Buffer, Gpu, Image, Sampler};
 use crate::settings::Method;
-use crate::skin::lut::Lut;
 use crate::skin::profile::Profile;
 use crate::skin::{self, penumbra};
 use ash::vk;
@@ -43,7 +42,7 @@ impl Inside {
         let profile = inputs.profiles.get(s.profile);
         let forward = s.settings.method == Method::Preintegrated && s.diffuses;
         let lut = (forward || s.settings.method == Method::Pdss && !s.levels.levels.is_empty())
-            .then(|| profile.map(|p| Lut::build(p, s.settings.integral.into())))
+            .then(|| profile.map(|p| table::kept(gpu.store(), p, s.settings.integral.into())))
             .flatten();
         let lut_knee = lut.as_ref().map_or(1., |l| l.knee_per_mm as f32);
         let lut_pixels = lut.as_ref().map(|l| {

@@ -1,7 +1,7 @@
 //! The kernel's mass at every vertex, as a vertex stream: what gathered light is divided by.
 
 use super::levels::Levels;
-use crate::cache::{Cache, hash};
+use crate::cache::{Cache, hash, program};
 use crate::scene::{Draw, Scene};
 use crate::skin::mass::{beside_border, border_distance, mass};
 use glam::Vec3;
@@ -46,9 +46,7 @@ pub fn kept(cache: Option<&Cache>, scene: &Scene, levels: &Levels) -> Vec<[f32; 
 
 /// All that the mass depends on, the program that finds it included.
 fn key(scene: &Scene, levels: &Levels) -> u64 {
-    let program = std::env::current_exe().and_then(|exe| exe.metadata()).ok();
-    let built = program.and_then(|m| m.modified().ok()).and_then(|t| t.duration_since(std::time::UNIX_EPOCH).ok());
-    let mut facts: Vec<u64> = vec![built.map_or(0, |t| t.as_nanos() as u64)];
+    let mut facts: Vec<u64> = vec![program()];
     for d in scene.draws.iter().filter(|d| scene.materials.get(d.material).is_some_and(|m| m.scatter.is_some())) {
         facts.extend([u64::from(d.first_index), u64::from(d.index_count)]);
     }

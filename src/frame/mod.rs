@@ -10,6 +10,7 @@ mod overlay;
 pub mod resources;
 pub mod setup;
 pub mod shadows;
+mod table;
 pub mod uniforms;
 mod upload;
 

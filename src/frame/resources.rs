@@ -7,7 +7,7 @@ use super::inside::{self, Inside};
 use super::mass;
 use super::setup::Setup;
 use super::upload::{Pixels, Upload, constants, single, texels};
-use super::{FrameError, Inputs};
+use super::{FrameError, Inputs, table};
 use crate::gpu::pass::Bound;
 use crate::gpu::{Buffer, Gpu, Image, ImageDesc, Sampler};
 use crate::methods::preintegrated;
@@ -137,12 +137,8 @@ impl Resources {
         none.desc.array = true;
         let no_shadow = uploads.image(none)?;
         let side = [specular::SIDE as u32; 2];
-        let gloss = uploads.image(texels(
-            "gloss table",
-            vk::Format::R16G16_SFLOAT,
-            side,
-            bytemuck::cast_slice(specular::table()),
-        ))?;
+        let gloss =
+            uploads.image(texels("gloss table", vk::Format::R16G16_SFLOAT, side, &table::gloss(gpu.store())))?;
         let sky =
             inputs.scene.environment.as_deref().filter(|_| s.sky).map(|e| sky(gpu, &mut uploads, e)).transpose()?;
         let most = most(inputs, sky.as_ref());
