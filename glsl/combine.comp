@@ -7,6 +7,7 @@
 #include "common/frame.glsl"
 #include "common/octahedral.glsl"
 #include "common/tiles.glsl"
+#include "common/coat.glsl"
 #include "common/specular.glsl"
 #include "common/tonemap.glsl"
 
@@ -16,6 +17,7 @@
 
 layout(constant_id = 0) const int OUTPUT = OUTPUT_FINAL;
 layout(constant_id = 1) const bool PRE = false;          // irradiance already holds the square root of the colour
+layout(constant_id = 31) const bool MASKED = false;       // some surface scatters a share of the light alone
 layout(constant_id = 2) const int CURVE = 0;             // 0 Khronos PBR Neutral, 1 sRGB alone, 2 linear
 layout(constant_id = 3) const bool OWN = false;          // of several profiles, not the first: what does not scatter is another's
 
@@ -23,6 +25,8 @@ layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
 layout(set = 0, binding = 3, r32ui) uniform readonly uimage2D normal;
 layout(set = 0, binding = 4, rgba8) uniform readonly image2D albedo;
 layout(set = 0, binding = 5, rgba8) uniform readonly image2D material;
+layout(set = 0, binding = 24, rg32ui) uniform readonly uimage2D coat;
+layout(set = 0, binding = 23, r32ui) uniform readonly uimage2D smooth_normal;
 layout(set = 0, binding = 6, rgba16f) uniform readonly image2D irradiance;
 layout(set = 0, binding = 7, rgba16f) uniform readonly image2D scattered;
 layout(set = 0, binding = 8, rgba16f) uniform readonly image2D reflected;
@@ -40,13 +44,20 @@ void main() {
     }
     bool scatters = z < 0. && OUTPUT != OUTPUT_IRRADIANCE;
     vec3 light = frame.light_unit * (scatters ? imageLoad(scattered, pixel).rgb : imageLoad(irradiance, pixel).rgb);
+    if (MASKED && scatters) {
+        float share = imageLoad(albedo, pixel).a;
+        if (share < 1.) light = mix(frame.light_unit * imageLoad(irradiance, pixel).rgb, light, share);
+    }
     if (OUTPUT == OUTPUT_FINAL) {
         vec4 base = imageLoad(albedo, pixel);
         vec4 m = imageLoad(material, pixel);
-        vec3 color = base.rgb * base.rgb, f0 = mix(vec3(m.a * m.a), color, m.g);
-        vec3 n = octahedral_decode(imageLoad(normal, pixel).x);
+        Coat over = coat_none();
+        if (COATED) over = coat_decode(imageLoad(coat, pixel).xy);
+        vec3 color = base.rgb * base.rgb, f0 = gloss_f0(m.a * m.a, color, m.g, over);
+        vec3 n = octahedral_decode(imageLoad(normal, pixel).x), smooth_n = n;
+        if (COATED) smooth_n = octahedral_decode(imageLoad(smooth_normal, pixel).x);
         vec3 v = view_direction(view_position(pixel, abs(z)));
-        vec3 kept = (1. - m.g) * (1. - gloss_albedo(gloss_of(base.a > .5, dot(n, v), m.r, f0)));
+        vec3 kept = (1. - m.g) * (1. - gloss_taken(gloss_of(base.a > 0., dot(n, v), m.r, m.g, f0, over, smooth_n, v)));
         light = kept * (PRE && scatters ? base.rgb : color) * light / PI + frame.light_unit * imageLoad(reflected, pixel).rgb;
         light *= frame.exposure;
     }

@@ -7,9 +7,9 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "common/material.glsl"
 
-layout(location = 0) in vec2 uv;
+layout(location = 0) in vec4 uv;
 layout(location = 0) out uint entrance;
 
 void main() {
-    entrance = push.scatter > 0. ? packUnorm2x16(uv) : 0xffffffffu;
+    entrance = material_scatter(uv) > 0. ? packUnorm2x16(uv.xy) : 0xffffffffu;
 }

@@ -13,6 +13,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "common/frame.glsl"
+#define LAYERED
+#include "common/coat.glsl"
 #include "common/material.glsl"
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
@@ -35,6 +37,7 @@ layout(constant_id = 1) const bool SHADOWS = true;
 layout(constant_id = 7) const bool AMBIENT = true;
 layout(constant_id = 8) const int CURVE = 0;             // 0 Khronos PBR Neutral, 1 sRGB alone, 2 linear
 layout(constant_id = 9) const int NORMALS = NORMALS_ONE; // normals a channel
+layout(constant_id = 31) const bool MASKED = false;     // some surface scatters a share of the light alone
 layout(constant_id = 10) const int TAPS = 1;             // of the shadow's disc; 1: a hard shadow, no S
 
 layout(set = 0, binding = 20) uniform sampler2D lut;
@@ -43,7 +46,7 @@ layout(set = 0, binding = 21) uniform sampler2D penumbra;
 layout(set = 0, binding = 6, scalar) readonly buffer KernelBlock { vec4 entry[]; } kernel;
 
 layout(location = 0) in vec3 view_normal;
-layout(location = 1) in vec2 uv;
+layout(location = 1) in vec4 uv;
 layout(location = 2) in vec4 view_tangent;
 layout(location = 3) in float view_distance;
 #if BEND
@@ -56,7 +59,7 @@ layout(location = 0) out vec4 picture;
 // sampler's own level where that is coarser. `texels` a mm.
 vec3 filtered(float sigma, float texels, float own, vec3 n) {
     float level = max(log2(max(2. * sigma * texels, 1e-4)), own);
-    return material_bumped(n, view_tangent, textureLod(normal_map, uv, level).xyz, gl_FrontFacing);
+    return material_bumped(n, view_tangent, textureLod(normal_map, slot_uv(uv, 2), level).xyz, gl_FrontFacing);
 }
 
 void main() {
@@ -70,24 +73,27 @@ void main() {
 #endif
     float texels = 0., own = 0.;
     if (NORMAL_MAP && NORMALS > NORMALS_ONE) {
-        vec2 size = vec2(textureSize(normal_map, 0)), du = dFdx(uv) * size, dv = dFdy(uv) * size;
+        vec2 size = vec2(textureSize(normal_map, 0)), at = slot_uv(uv, 2), du = dFdx(at) * size, dv = dFdy(at) * size;
         float area = length(cross(dFdx(p), dFdy(p)));
         texels = sqrt(abs(du.x * dv.y - du.y * dv.x) / max(area, 1e-20));
-        own = textureQueryLod(normal_map, uv).y;
+        own = textureQueryLod(normal_map, at).y;
     }
     vec4 base = material_base(uv);
-    vec3 b = NORMAL_MAP ? material_bumped(n, view_tangent, texture(normal_map, uv).xyz, gl_FrontFacing) : n;
+    vec3 b = material_shading_normal(n, view_tangent, uv, gl_FrontFacing);
     vec2 rm = material_rough_metal(uv);
     float occlusion = material_occlusion(uv);
+    float scatter = material_scatter(uv), reflectance = material_reflectance(scatter);
+    Coat over = coat_none();
+    if (COATED) over = material_coat(uv, reflectance);
     if (ALPHA_MASK && base.a < push.alpha_cutoff) discard;
 
     vec3 color = clamp(base.rgb, 0., 1.);
     vec3 v = view_direction(p);
-    vec3 f0 = mix(vec3(push.reflectance), color, rm.y);
-    bool scatters = push.scatter > 0.;
+    vec3 f0 = gloss_f0(reflectance, color, rm.y, over);
+    bool scatters = scatter > 0.;
     vec4 widths = kernel.entry[0];
     Gloss gloss;
-    if (OUTPUT == OUTPUT_FINAL) gloss = gloss_of(push.scatter != 0., dot(b, v), rm.x, f0);
+    if (OUTPUT == OUTPUT_FINAL) gloss = gloss_of(scatter != 0., dot(b, v), rm.x, rm.y, f0, over, n, v);
     mat3 bent = mat3(b, b, b);
     if (NORMAL_MAP && NORMALS > NORMALS_ONE) {
         bent[0] = filtered(widths.r, texels, own, n);
@@ -119,29 +125,32 @@ void main() {
                             : shadow_visibility(light, p, n, l, mat3(frame.world_from_view));
             shade = TAPS > 1 && scatters ? penumbra_look_up(penumbra, seen, c) : vec3(seen);
         }
-        vec3 lit = max(cosine, 0.);
+        vec3 lit = max(cosine, 0.), unscattered = max(dot(b, l), 0.) * seen * arriving;
         if (scatters && OUTPUT != OUTPUT_IRRADIANCE) {
             lit.r = lut_look_up(lut, cosine.r, curvature, 0.);
             lit.g = lut_look_up(lut, cosine.g, curvature, 1.);
             lit.b = lut_look_up(lut, cosine.b, curvature, 2.);
         }
-        if (OUTPUT == OUTPUT_IRRADIANCE) exitance += max(dot(b, l), 0.) * seen * arriving;
+        if (OUTPUT == OUTPUT_IRRADIANCE) exitance += unscattered;
+        else if (MASKED && scatters && scatter < 1.) exitance += mix(unscattered, lit * shade * arriving, scatter);
         else exitance += lit * shade * arriving;
         if (OUTPUT == OUTPUT_FINAL) reflected += gloss_light(gloss, b, v, l) * arriving * seen;
     }
     vec3 radiance = exitance;
     if (OUTPUT == OUTPUT_FINAL) {
-        vec3 taken = gloss_albedo(gloss);
+        vec3 taken = gloss_taken(gloss), mirrored = gloss_albedo(gloss, dot(b, v));
         vec3 kept = (1. - rm.y) * (1. - taken);
         radiance = kept * color * exitance / PI + reflected;
         if (AMBIENT) {
             vec3 up = frame.up;
             vec3 tilt = scatters ? vec3(dot(bent[0], up), dot(bent[1], up), dot(bent[2], up)) : vec3(dot(b, up));
+            if (MASKED && scatters && scatter < 1.) tilt = mix(vec3(dot(b, up)), tilt, scatter);
             radiance += kept * color * (frame.ambient_mean + frame.ambient_slope * tilt) * occlusion;
-            radiance += taken * (frame.ambient_mean + frame.ambient_slope * dot(b, up)) * occlusion;
+            radiance += mirrored * (frame.ambient_mean + frame.ambient_slope * dot(b, up)) * occlusion;
         }
         if (SKY) {
             vec3 white = scatters ? sky_scattered(bent, vec3(curvature)) : sky_light(b);
+            if (MASKED && scatters && scatter < 1.) white = mix(sky_light(b), white, scatter);
             radiance += (kept * color * white + sky_reflected(gloss, b, v)) * occlusion;
         }
         radiance *= frame.exposure;

@@ -2,13 +2,14 @@
 //
 // viewz    R32F      distance along the view axis, mm; negated where the surface scatters; lowest three bits: its profile, if there are several
 // normal   R32_UINT  interpolated normal, without the normal map: curvature is measured on it
-// albedo   RGBA8     rgb square root of linear base colour (more steps in the dark), a 1 where the material has the profile
+// albedo   RGBA8     rgb square root of linear base colour (more steps in the dark), a share that scatters where the material has the profile
 // material RGBA8     r roughness, g metallic, b occlusion, a square root of F0
 // bumped   R32_UINT  normal with the normal map, only where the scene has one
 // mass     RGB10_A2  half the reciprocal of the mass of each gathered level, only where light is gathered
 // facet    R32_UINT  normal of the triangle itself, only where shading normals stray from it and light is gathered
+// coat     RG32UI    coat, sheen, tint of F0, thickness (common/coat.glsl), only where some material has any of it
 // chart    R32_UINT  texture coordinate, 2 x unorm16, only for methods that work over it
-// variants: plain BUMPED=4; chart CHART=4 BUMPED=5; mass MASS=4; mass_facet MASS=4 FACET=5; bumped_mass_facet BUMPED=4 MASS=5 FACET=6
+// variants: plain BUMPED=4; chart CHART=4 BUMPED=5; mass MASS=4; mass_facet MASS=4 FACET=5; bumped_mass_facet BUMPED=4 MASS=5 FACET=6; plain_coat LAYERED=4 BUMPED=5; chart_coat LAYERED=4 CHART=5 BUMPED=6; mass_coat LAYERED=4 MASS=5; mass_facet_coat LAYERED=4 MASS=5 FACET=6; bumped_mass_facet_coat LAYERED=4 BUMPED=5 MASS=6 FACET=7
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -17,13 +18,16 @@
 #include "common/frame.glsl"
 #endif
 
+#ifdef LAYERED
+#include "common/coat.glsl"
+#endif
 #include "common/material.glsl"
 #include "common/profile_code.glsl"
 
 layout(constant_id = 12) const bool SEVERAL = false;   // several profiles scatter
 
 layout(location = 0) in vec3 view_normal;
-layout(location = 1) in vec2 uv;
+layout(location = 1) in vec4 uv;
 layout(location = 2) in vec4 view_tangent;
 layout(location = 3) in float view_distance;
 
@@ -31,6 +35,9 @@ layout(location = 0) out float viewz;
 layout(location = 1) out uint normal;
 layout(location = 2) out vec4 albedo;
 layout(location = 3) out vec4 material;
+#ifdef LAYERED
+layout(location = LAYERED) out uvec2 coat;
+#endif
 #ifdef CHART
 layout(location = CHART) out uint chart;
 #endif
@@ -51,14 +58,18 @@ void main() {
     vec4 base = material_base(uv);
     if (ALPHA_MASK && base.a < push.alpha_cutoff) discard;
     vec3 n = material_normal(view_normal, gl_FrontFacing);
-    vec3 b = n;
-    if (NORMAL_MAP) b = material_bumped(n, view_tangent, texture(normal_map, uv).xyz, gl_FrontFacing);
+    vec3 b = material_shading_normal(n, view_tangent, uv, gl_FrontFacing);
+    float scatter = material_scatter(uv), reflectance = material_reflectance(scatter);
+#ifdef LAYERED
+    Coat over = material_coat(uv, reflectance);
+    coat = coat_encode(over, material_thickness(uv));
+#endif
 
-    viewz = push.scatter > 0. ? -view_distance : view_distance;
+    viewz = scatter > 0. ? -view_distance : view_distance;
     if (SEVERAL) viewz = profile_encode(viewz, push.profile);
     normal = octahedral_encode(n);
-    albedo = vec4(sqrt(clamp(base.rgb, 0., 1.)), abs(push.scatter));
-    material = vec4(material_rough_metal(uv), material_occlusion(uv), sqrt(push.reflectance));
+    albedo = vec4(sqrt(clamp(base.rgb, 0., 1.)), scatter == 0. ? 0. : max(abs(scatter), 1. / 255.));
+    material = vec4(material_rough_metal(uv), material_occlusion(uv), sqrt(reflectance));
 #ifdef BUMPED
     bumped = octahedral_encode(b);
 #endif
@@ -79,6 +90,6 @@ void main() {
     mass = vec4(.5 / max(whole, .5), 0.);
 #endif
 #ifdef CHART
-    chart = packUnorm2x16(uv);
+    chart = packUnorm2x16(uv.xy);
 #endif
 }

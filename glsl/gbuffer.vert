@@ -8,9 +8,9 @@ layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 // A stream that the scene does not need is not fetched.
 #if UV
-layout(location = 2) in vec2 uv;
+layout(location = 2) in vec4 uv;       // two sets; a stream of one leaves the second alone
 #else
-const vec2 uv = vec2(0.);
+const vec4 uv = vec4(0.);
 #endif
 #if TANGENT
 layout(location = 3) in vec4 tangent;
@@ -33,7 +33,7 @@ const vec4 color = vec4(1.);
 layout(location = 5) out vec4 tint;
 
 layout(location = 0) out vec3 view_normal;
-layout(location = 1) out vec2 out_uv;
+layout(location = 1) out vec4 out_uv;
 layout(location = 2) out vec4 view_tangent;
 layout(location = 3) out float view_distance;
 

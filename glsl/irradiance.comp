@@ -12,6 +12,7 @@
 #include "common/tiles.glsl"
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
+#include "common/coat.glsl"
 #include "common/specular.glsl"
 #include "common/environment.glsl"
 #include "common/sky_gloss.glsl"
@@ -26,6 +27,8 @@ layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
 layout(set = 0, binding = 3, r32ui) uniform readonly uimage2D normal;
 layout(set = 0, binding = 4, rgba8) uniform readonly image2D albedo;
 layout(set = 0, binding = 5, rgba8) uniform readonly image2D material;
+layout(set = 0, binding = 24, rg32ui) uniform readonly uimage2D coat;
+layout(set = 0, binding = 23, r32ui) uniform readonly uimage2D smooth_normal;
 layout(set = 0, binding = 6, rgba16f) uniform writeonly image2D irradiance;
 layout(set = 0, binding = 7, rgba16f) uniform writeonly image2D reflected;
 
@@ -40,7 +43,15 @@ void main() {
     vec4 base = FINAL ? imageLoad(albedo, pixel) : vec4(1.);
     vec4 m = FINAL ? imageLoad(material, pixel) : vec4(1., 0., 1., 0.);
     Gloss gloss;
-    if (FINAL) gloss = gloss_of(base.a > .5, dot(n, v), m.r, mix(vec3(m.a * m.a), base.rgb * base.rgb, m.g));
+    if (FINAL) {
+        Coat over = coat_none();
+        vec3 smooth_n = n;
+        if (COATED) {
+            over = coat_decode(imageLoad(coat, pixel).xy);
+            smooth_n = octahedral_decode(imageLoad(smooth_normal, pixel).x);
+        }
+        gloss = gloss_of(base.a > 0., dot(n, v), m.r, m.g, gloss_f0(m.a * m.a, base.rgb * base.rgb, m.g, over), over, smooth_n, v);
+    }
 
     vec3 diffuse = vec3(0.), specular = vec3(0.);
     for (int i = 0; i < LIGHTS; ++i) {
@@ -54,7 +65,7 @@ void main() {
     if (AMBIENT) {
         vec3 sky = (frame.ambient_mean + frame.ambient_slope * dot(n, frame.up)) * m.b;
         diffuse += PI * sky;
-        specular += gloss_albedo(gloss) * sky;
+        specular += gloss_albedo(gloss, dot(n, v)) * sky;
     }
     if (SKY) {
         diffuse += PI * m.b * sky_light(n);

@@ -15,6 +15,7 @@
 #include "common/tiles.glsl"
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
+#include "common/coat.glsl"
 #include "common/specular.glsl"
 #include "common/environment.glsl"
 #include "common/sky_gloss.glsl"
@@ -46,6 +47,7 @@ layout(constant_id = 12) const int STRIDE5 = 1;
 layout(constant_id = 14) const int CURVE = 0;              // 0 Khronos PBR Neutral, 1 sRGB alone, 2 linear
 layout(constant_id = 15) const bool MASS = false;        // light with a slot is gathered from level FIRST on
 layout(constant_id = 16) const int FIRST = 0;
+layout(constant_id = 31) const bool MASKED = false;      // some surface scatters a share of the light alone
 layout(constant_id = 13) const bool STRIDED = false;     // some level is coarser than the picture
 layout(constant_id = 17) const bool OWN = false;         // of several profiles, not the first: what does not scatter is another's
 
@@ -55,6 +57,8 @@ layout(set = 0, binding = 4, rgba8) uniform readonly image2D albedo;
 layout(set = 0, binding = 5, rgba8) uniform readonly image2D material;
 layout(set = 0, binding = 6, r32ui) uniform readonly uimage2D lit;
 layout(set = 0, binding = 7) uniform writeonly image2D picture;
+layout(set = 0, binding = 24, rg32ui) uniform readonly uimage2D coat;
+layout(set = 0, binding = 23, r32ui) uniform readonly uimage2D smooth_normal;
 #if LEVELLED
 layout(set = 0, binding = 8, rg32ui) uniform readonly uimage2D soft0;
 layout(set = 0, binding = 9, rg32ui) uniform readonly uimage2D soft1;
@@ -225,10 +229,17 @@ void main() {
     vec4 m = imageLoad(material, pixel);
     vec3 color = base.rgb * base.rgb;
     float f = m.a * m.a;
-    vec3 f0 = mix(vec3(f), color, m.g);
+    float share = MASKED && scatters ? base.a : 1.;
+    Coat over = coat_none();
+    vec3 smooth_n = n;
+    if (COATED) {
+        over = coat_decode(imageLoad(coat, pixel).xy);
+        smooth_n = octahedral_decode(imageLoad(smooth_normal, pixel).x);
+    }
+    vec3 f0 = gloss_f0(f, color, m.g, over);
     Gloss gloss;
-    if (SPECULAR) gloss = gloss_of(base.a > .5, dot(n, v), m.r, f0);
-    vec3 kept = SPECULAR ? (1. - m.g) * (1. - gloss_albedo(gloss)) : vec3(1.);
+    if (SPECULAR) gloss = gloss_of(base.a > 0., dot(n, v), m.r, m.g, f0, over, smooth_n, v);
+    vec3 kept = SPECULAR ? (1. - m.g) * (1. - gloss_taken(gloss)) : vec3(1.);
 
 #if METHOD == 2
     vec3 masses = MASS ? .5 / max(imageLoad(mass, pixel).rgb, .01) : vec3(1.);
@@ -253,7 +264,7 @@ void main() {
 #endif
             shade = shadow_visibility(light, from, n, l, mat3(frame.world_from_view));
         }
-        vec3 lit_here = vec3(slotted ? own : max(c, 0.) * shade);
+        vec3 lit_here = vec3(slotted ? own : max(c, 0.) * shade), unscattered = lit_here;
 #if METHOD == 1
         if (scatters) {
             vec3 cosine = vec3(dot(nr, l), dot(ng, l), dot(nb, l));
@@ -287,6 +298,7 @@ void main() {
             if (MASS && slotted) lit_here /= weights;
         }
 #endif
+        if (MASKED && share < 1.) lit_here = mix(unscattered, lit_here, share);
         exitance += lit_here * irradiance;
         if (OUTPUT == OUTPUT_IRRADIANCE) arriving += max(c, 0.) * shade * irradiance;
         if (SPECULAR && OUTPUT == OUTPUT_FINAL) reflected += gloss_light(gloss, n, v, l) * irradiance * shade;
@@ -309,9 +321,10 @@ void main() {
             for (int k = 0; k < LEVELS; ++k) tilt += frame.level[k].rgb * dot(level[k].n, frame.up);
         }
 #endif
+        if (MASKED && share < 1.) tilt = mix(vec3(dot(n, frame.up)), tilt, share);
         vec3 sky = (frame.ambient_mean + frame.ambient_slope * tilt) * ao * m.b;
         radiance += kept * color * sky;
-        if (SPECULAR) radiance += gloss_albedo(gloss) * sky;
+        if (SPECULAR) radiance += gloss_albedo(gloss, dot(n, v)) * sky;
     }
     if (SKY) {
         vec3 white = sky_light(n);
@@ -330,6 +343,7 @@ void main() {
             white = max(white, 0.);
         }
 #endif
+        if (MASKED && share < 1.) white = mix(sky_light(n), white, share);
         vec3 light = kept * color * white;
         if (SPECULAR) light += sky_reflected(gloss, n, v);
         radiance += light * ao * m.b;

@@ -17,6 +17,7 @@
 
 layout(constant_id = 0) const int FIRST = 0;              // entry of the kernel that the Gaussians start at
 layout(constant_id = 1) const int GAUSSIANS = 0;
+layout(constant_id = 31) const bool MASKED = false;       // some surface scatters a share of the light alone
 layout(constant_id = 2) const bool PRE = false;           // irradiance holds the square root of the colour
 layout(constant_id = 3) const float OFFSET = .3;
 layout(constant_id = 4) const float WIDEN = 1.;
@@ -56,5 +57,6 @@ void main() {
         sum += arriving * through * min(behind, 1.);
     }
     if (PRE) sum *= imageLoad(albedo, pixel).rgb;
+    if (MASKED) sum *= imageLoad(albedo, pixel).a;
     imageStore(irradiance, pixel, light_encode(imageLoad(irradiance, pixel).rgb + sum / frame.light_unit));
 }

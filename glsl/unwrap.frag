@@ -16,7 +16,7 @@ layout(constant_id = 1) const bool AMBIENT = true;
 layout(constant_id = 7) const bool PRE = false;
 
 layout(location = 0) in vec3 view_normal;
-layout(location = 1) in vec2 uv;
+layout(location = 1) in vec4 uv;
 layout(location = 2) in vec4 view_tangent;
 layout(location = 3) in vec3 view_place;
 layout(location = 4) in float chart;
@@ -30,9 +30,10 @@ void main() {
     vec2 mm = vec2(length(dFdx(view_place)), length(dFdy(view_place)));
     vec4 base = material_base(uv);
     vec3 n = material_normal(view_normal, true);
-    if (NORMAL_MAP) n = material_bumped(n, view_tangent, texture(normal_map, uv).xyz, true);
+    n = material_shading_normal(n, view_tangent, uv, true);
     float occlusion = material_occlusion(uv);
-    if (ALPHA_MASK && base.a < push.alpha_cutoff) discard;
+    bool bare = SCATTER_MAP && material_scatter(uv) == 0.;
+    if (ALPHA_MASK && base.a < push.alpha_cutoff || bare) discard;
     vec3 p = view_place, sum = vec3(0.);
     for (int i = 0; i < LIGHTS; ++i) {
         Light light = lights.light[i];

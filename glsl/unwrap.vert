@@ -7,7 +7,7 @@
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
-layout(location = 2) in vec2 uv;
+layout(location = 2) in vec4 uv;
 #if TANGENT
 layout(location = 3) in vec4 tangent;
 #else
@@ -24,13 +24,13 @@ const vec4 color = vec4(1.);
 layout(location = 5) out vec4 tint;
 
 layout(location = 0) out vec3 view_normal;
-layout(location = 1) out vec2 out_uv;
+layout(location = 1) out vec4 out_uv;
 layout(location = 2) out vec4 view_tangent;
 layout(location = 3) out vec3 view_place;
 layout(location = 4) out float out_chart;
 
 void main() {
-    gl_Position = vec4(sheet_place(uv, 1.) * 2. - 1., 0., 1.);
+    gl_Position = vec4(sheet_place(uv.xy, 1.) * 2. - 1., 0., 1.);
     mat3 rotation = mat3(frame.view_from_world);
     view_normal = rotation * normal;
     view_place = (frame.view_from_world * vec4(position, 1.)).xyz;

@@ -15,6 +15,8 @@ mod collection;
 mod fixture;
 #[path = "scene/geometry.rs"]
 mod geometry;
+#[path = "scene/layers.rs"]
+mod layers;
 #[path = "scene/lies.rs"]
 mod lies;
 #[path = "scene/motion.rs"]

@@ -187,6 +187,8 @@ impl Renderer {
             index_count: inputs.scene.indices.len() as u32,
             scatters: setups.iter().any(|s| s.scatters),
             profiles: &inputs.profiles,
+            coated: setup.coated,
+            thickest_mm: setup.thickest_mm,
         };
         let recorded = record::record(gpu, 0, inputs.timing, &world)?;
         let rest = (plan.still > 0).then(|| record::record(gpu, plan.still, inputs.timing, &world)).transpose()?;

@@ -12,7 +12,7 @@ use crate::gpu::timing::{Timer, TimingMode};
 use crate::gpu::usage::{Barrier, State, Usage};
 use crate::gpu::{Buffer, Gpu, GpuError, Image};
 use crate::plan::{Domain, Geometry, Pass, Plan, Work, of_profile};
-use crate::scene::{Alpha, Draw, Material};
+use crate::scene::{Alpha, Draw, MAPS, Material};
 use crate::skin::profile::Profile;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
@@ -23,7 +23,9 @@ use std::sync::Arc;
 /// What a material's pipeline is specialised for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Class {
-    maps: [bool; 5],
+    maps: [bool; MAPS.len()],
+    /// Bits of those that read the second coordinates.
+    second: u32,
     masked: bool,
     double_sided: bool,
     /// Asked by the overlay alone, like the last map: other passes draw all such materials alike.
@@ -63,13 +65,19 @@ pub struct World<'a> {
     pub scatters: bool,
     /// How they scatter, and how light is refracted into those that do not say.
     pub profiles: &'a [Profile],
+    /// Gloss is more than plain lobes.
+    pub coated: bool,
+    /// The thickest that a material says it is, mm; 0 where nobody reads it.
+    pub thickest_mm: f32,
 }
 
 fn class(material: &Material, geometry: Geometry, pass: &Pass) -> ClassKey {
     let over = geometry == Geometry::Overlay;
-    let [base, rough, normal, occlusion, emission] = maps(material).map(|m| m.is_some());
+    let mut maps = material.maps().map(|m| m.is_some());
+    maps[EMISSION] &= over;
     ClassKey(Class {
-        maps: [base, rough, normal, occlusion, over && emission],
+        maps,
+        second: material.second_uvs,
         masked: alpha_cutoff(material.alpha).is_some(),
         double_sided: material.double_sided,
         unlit: over && material.unlit,
@@ -102,15 +110,10 @@ fn drawn<'a>(
     })
 }
 
-fn maps(m: &Material) -> Maps {
-    [
-        m.base_color_texture,
-        m.metallic_roughness_texture,
-        m.normal_texture.map(|t| t.0),
-        m.occlusion_texture.map(|t| t.0),
-        m.emission_texture,
-    ]
-}
+/// Place of emission in [`MAPS`].
+const EMISSION: usize = 4;
+/// No texture.
+const NONE: Maps = [None; MAPS.len()];
 
 /// A pipeline to make: its pass, its constants, the faces that are not drawn.
 type Job<'a> = (&'a Pass, Vec<(&'static str, u32)>, vk::CullModeFlags);
@@ -140,14 +143,14 @@ pub fn pipelines(
                     if map.contains_key(&Some(key)) {
                         continue;
                     }
-                    let Class { maps, masked, double_sided, unlit, blended, profile } = key.0;
+                    let Class { maps, second, masked, double_sided, unlit, blended, profile } = key.0;
                     let mut constants = pass.constants.clone();
                     if let Some((_, own)) = pass.each.iter().find(|(of, _)| Some(*of) == profile) {
                         constants.retain(|(name, _)| own.iter().all(|(n, _)| n != name));
                         constants.extend(own);
                     }
-                    let names = ["BASE_MAP", "ROUGH_MAP", "NORMAL_MAP", "OCCLUSION_MAP", "EMISSION_MAP"];
-                    constants.extend(names.into_iter().zip(maps).map(|(n, m)| (n, u32::from(m))));
+                    constants.extend(MAPS.iter().zip(maps).map(|((_, n), m)| (*n, u32::from(m))));
+                    constants.push(("SECOND", second));
                     let kinds = [("ALPHA_MASK", masked), ("UNLIT", unlit), ("BLEND", blended)];
                     constants.extend(kinds.map(|(name, is)| (name, u32::from(is))));
                     let both = double_sided || matches!(geometry, Geometry::Unwrapped | Geometry::Casters);
@@ -196,7 +199,7 @@ pub fn record(
         match &pass.work {
             Work::Compute { domain, .. } => {
                 let pipeline = world.pipeline(index, None)?;
-                let find = |name: &str| world.find_of(pass, name, &[None; 5], None);
+                let find = |name: &str| world.find_of(pass, name, &NONE, None);
                 match domain {
                     Domain::Threads(threads) => open.dispatch_over(pipeline, *threads, &pass.push, find)?,
                     Domain::Tiles(list) => {
@@ -219,7 +222,7 @@ pub fn record(
                 match geometry {
                     Geometry::Depth if world.index_count > 0 => {
                         let pipeline = world.pipeline(index, None)?;
-                        let find = |name: &str| world.find_of(pass, name, &[None; 5], None);
+                        let find = |name: &str| world.find_of(pass, name, &NONE, None);
                         open.prepare(pipeline, &streams[..1], indices, &pass.push, find)?;
                         if world.draws.iter().all(|(_, m)| m.alpha != Alpha::Blend) {
                             open.draw(0, world.index_count);
@@ -232,9 +235,9 @@ pub fn record(
                     Geometry::Materials | Geometry::Casters | Geometry::Unwrapped | Geometry::Overlay => {
                         for (draw, material) in drawn(*geometry, pass.profile, world.draws, world.overlay) {
                             let pipeline = world.pipeline(index, Some(class(material, *geometry, pass)))?;
-                            let push = material_push(material, world.scatters, world.profiles);
+                            let push = material_push(material, world);
                             let of = profile(material, pass);
-                            let find = |name: &str| world.find_of(pass, name, &maps(material), of);
+                            let find = |name: &str| world.find_of(pass, name, &material.maps(), of);
                             open.prepare(pipeline, &streams, indices, bytemuck::bytes_of(&push), find)?;
                             open.draw(draw.first_index, draw.index_count);
                         }
@@ -288,12 +291,14 @@ impl<'a> World<'a> {
     }
 }
 
-fn material_push(m: &Material, scatters: bool, profiles: &[Profile]) -> MaterialPush {
-    let profile = m.scatter.and_then(|k| profiles.get(k));
+fn material_push(m: &Material, world: &World<'_>) -> MaterialPush {
+    let profile = m.scatter.and_then(|k| world.profiles.get(k));
     // glTF's own default counts as nothing stated.
     let stated = m.ior != Material::DEFAULT_IOR;
     let ior = profile.filter(|_| !stated).map_or(m.ior, |p| p.ior as f32);
-    let r = (ior - 1.) / (ior + 1.);
+    // Where the shaders know the factor, they apply it themselves.
+    let factor = if world.coated { 1. } else { m.specular.factor };
+    let reflectance = |ior: f32| ((ior - 1.) / (ior + 1.)).powi(2) * factor;
     MaterialPush {
         base_color: m.base_color,
         roughness: m.roughness,
@@ -301,14 +306,22 @@ fn material_push(m: &Material, scatters: bool, profiles: &[Profile]) -> Material
         normal_scale: m.normal_texture.map_or(1., |t| t.1),
         occlusion_strength: m.occlusion_texture.map_or(1., |t| t.1),
         alpha_cutoff: alpha_cutoff(m.alpha).unwrap_or(0.),
-        reflectance: r * r * m.specular,
+        reflectance: reflectance(ior),
+        bare: reflectance(m.ior),
         scatter: match m.scatter {
-            Some(_) if scatters && profile.is_some() => 1.,
+            Some(_) if world.scatters && profile.is_some() => m.scatter_mask,
             // Where nothing scatters there are no passes of each profile, and gloss is the first one's.
             Some(0) if profile.is_some() => -1.,
             _ => 0.,
         },
         emission: m.emission,
+        thickness: if world.thickest_mm > 0. { m.thickness_mm / world.thickest_mm } else { 0. },
+        sheen: m.sheen.color,
+        sheen_roughness: m.sheen.roughness,
+        specular_tint: m.specular.color,
+        specular: m.specular.factor,
+        coat: m.coat.factor,
+        coat_roughness: m.coat.roughness,
         profile: m.scatter.unwrap_or(0) as u32,
     }
 }

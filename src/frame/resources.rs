@@ -12,7 +12,7 @@ use crate::gpu::pass::Bound;
 use crate::gpu::{Buffer, Gpu, Image, ImageDesc, Sampler};
 use crate::methods::preintegrated;
 use crate::plan::of_profile;
-use crate::scene::{Environment, Filter, Mips, Texture, Wrap, vertex_curvature};
+use crate::scene::{Environment, Filter, MAPS, Mips, Texture, Wrap, vertex_curvature};
 use crate::settings::{ForwardCurvature, Method};
 use crate::skin::specular;
 use ash::vk;
@@ -27,11 +27,20 @@ const EXTERNAL: &[&str] = &[
     "white",
     "gloss_table",
     "sky",
+    "sheen_table",
     "base_color_map",
     "metallic_roughness_map",
     "normal_map",
     "occlusion_map",
     "emission_map",
+    "scatter_map",
+    "thickness_map",
+    "coat_map",
+    "coat_roughness_map",
+    "sheen_map",
+    "sheen_roughness_map",
+    "specular_map",
+    "specular_color_map",
 ];
 
 /// All names that shaders may bind and that no plan makes, with this many profiles.
@@ -41,8 +50,8 @@ pub fn external(profiles: usize) -> Vec<String> {
     common.chain((0..profiles).flat_map(own)).collect()
 }
 
-/// Textures of a material: base colour, metallic and roughness, normal, occlusion, emission.
-pub type Maps = [Option<usize>; 5];
+/// Textures of a material, in the order of [`MAPS`].
+pub type Maps = [Option<usize>; MAPS.len()];
 
 /// Scene data on the device.
 pub struct Resources {
@@ -59,6 +68,7 @@ pub struct Resources {
     lights: Buffer,
     shadow_world: Buffer,
     gloss: Image,
+    sheen: Option<Image>,
     sky: Option<Sky>,
     insides: Vec<Inside>,
 }
@@ -86,7 +96,14 @@ impl Resources {
             uploads.buffer("normals", bytemuck::cast_slice(&scene.normals), vertex)?,
         ];
         if s.uvs {
-            streams.push(uploads.buffer("uvs", bytemuck::cast_slice(&scene.uvs), vertex)?);
+            let both: Vec<[[f32; 2]; 2]>;
+            let uvs = if s.second_uvs {
+                both = scene.uvs.iter().zip(&scene.second_uvs).map(|(a, b)| [*a, *b]).collect();
+                bytemuck::cast_slice(&both)
+            } else {
+                bytemuck::cast_slice(&scene.uvs)
+            };
+            streams.push(uploads.buffer("uvs", uvs, vertex)?);
         }
         if s.normal_maps {
             streams.push(uploads.buffer("tangents", bytemuck::cast_slice(&scene.tangents), vertex)?);
@@ -139,6 +156,10 @@ impl Resources {
         let side = [specular::SIDE as u32; 2];
         let gloss =
             uploads.image(texels("gloss table", vk::Format::R16G16_SFLOAT, side, &table::gloss(gpu.store())))?;
+        let sheen = s.coated.then(|| {
+            let bytes = bytemuck::cast_slice(specular::sheen_table());
+            uploads.image(texels("sheen table", vk::Format::R16_SFLOAT, side, bytes))
+        });
         let sky =
             inputs.scene.environment.as_deref().filter(|_| s.sky).map(|e| sky(gpu, &mut uploads, e)).transpose()?;
         let most = most(inputs, sky.as_ref());
@@ -164,6 +185,7 @@ impl Resources {
             lights: constants(gpu, "lights", bytemuck::bytes_of(&lights), vk::BufferUsageFlags::UNIFORM_BUFFER)?,
             shadow_world: constants(gpu, "shadow_world", bytemuck::cast_slice(&shadow_world), storage)?,
             gloss,
+            sheen: sheen.transpose()?,
             sky,
             insides,
         })
@@ -200,13 +222,12 @@ impl Resources {
             "no shadow" => Bound::Sampled(&self.no_shadow, &self.nearest),
             "white" => Bound::Sampled(&self.white, &self.linear),
             "gloss_table" => Bound::Sampled(&self.gloss, &self.linear),
+            "sheen_table" => Bound::Sampled(self.sheen.as_ref().unwrap_or(&self.white), &self.linear),
             "sky" => self.sky.as_ref().map(|s| Bound::Sampled(&s.picture, &s.sampler))?,
-            "base_color_map" => map(0),
-            "metallic_roughness_map" => map(1),
-            "normal_map" => map(2),
-            "occlusion_map" => map(3),
-            "emission_map" => map(4),
             _ => {
+                if let Some(slot) = MAPS.iter().position(|(map, _)| *map == name) {
+                    return Some(map(slot));
+                }
                 let (name, of) = name.split_once('@').unwrap_or((name, "0"));
                 return self.insides.get(of.parse::<usize>().ok()?)?.find(name, &self.linear);
             }

@@ -10,6 +10,7 @@ use crate::scene::{Alpha, Atlas, Camera, Filled, Light, LightKind, Projection, g
 use crate::settings::{Method, Quality, Settings, Spared, Texturing, ToneMap, View};
 use crate::skin::profile::Profile;
 use crate::skin::specular::Lobes;
+use ash::vk;
 use glam::Vec3;
 
 /// What becomes of the picture.
@@ -42,8 +43,16 @@ pub struct Setup {
     pub normal_maps: bool,
     /// Some material is textured.
     pub uvs: bool,
+    /// Some texture reads second coordinates.
+    pub second_uvs: bool,
     /// Vertices have colours.
     pub colors: bool,
+    /// Gloss is more than plain lobes: some material has a coat, sheen, or specular of its own.
+    pub coated: bool,
+    /// Some material scatters a share of the light alone.
+    pub masked: bool,
+    /// The thickest that a scattering material says it is under its surface, mm; 0 where nobody says, or nobody asks.
+    pub thickest_mm: f32,
     /// What is drawn over the lit picture.
     pub overlay: Overlay,
     /// The scene has texture coordinates, used or not.
@@ -256,7 +265,12 @@ impl Setup {
             scatters,
             normal_maps,
             uvs,
+            second_uvs: uvs && !scene.second_uvs.is_empty(),
             colors: !scene.colors.is_empty(),
+            coated: settings.view == View::Final && used(&|m| m.is_coated()),
+            masked: scatters
+                && used(&|m| m.scatter.is_some() && (m.scatter_mask < 1. || m.scatter_mask_texture.is_some())),
+            thickest_mm: 0.,
             overlay,
             has_uvs,
             base_maps: used(&|m| m.base_color_texture.is_some()),
@@ -302,9 +316,15 @@ impl Setup {
         }
     }
 
-    /// Adds the specialization constants of a pass that reflects light.
+    /// Adds the specialization constants of a pass that reflects light, and what it reads of the G-buffer for it.
     pub fn specialise_gloss(&self, pass: &mut crate::plan::Pass) {
         pass.constants.extend(self.gloss());
+        pass.constant("COATED", u32::from(self.coated)).constant("MASKED", u32::from(self.masked));
+        if self.coated {
+            pass.bind("smooth_normal", "normal");
+        } else {
+            pass.absent("smooth_normal").absent("coat");
+        }
     }
 
     /// The same, by themselves.
@@ -360,6 +380,11 @@ impl Setup {
     /// Half of the surface's colour acts before scattering.
     pub fn pre_textured(&self) -> bool {
         self.settings.texturing == Texturing::PrePost && self.settings.view == View::Final
+    }
+
+    /// Format of the stream of texture coordinates.
+    pub fn uv_format(&self) -> vk::Format {
+        if self.second_uvs { vk::Format::R32G32B32A32_SFLOAT } else { vk::Format::R32G32_SFLOAT }
     }
 
     /// Pixels of the picture.

@@ -29,12 +29,16 @@ pub(super) struct LocalPrimitive {
     pub normals: Option<Vec<[f32; 3]>>,
     pub tangents: Option<Vec<[f32; 4]>>,
     pub uvs: Option<Vec<[f32; 2]>>,
+    pub second_uvs: Option<Vec<[f32; 2]>>,
     pub colors: Option<Vec<[f32; 4]>>,
     pub triangles: Vec<[u32; 3]>,
     /// Vertices after the last whole triangle.
     pub remainder: usize,
     pub needs_tangents: bool,
+    /// Tangents follow the second UVs.
+    pub tangents_second: bool,
     pub needs_uvs: bool,
+    pub needs_second: bool,
 }
 
 /// The same in the world: mm, f64, since the origin is not known yet.
@@ -46,6 +50,7 @@ pub(super) struct BakedPrimitive {
     /// Empty if not needed, like `uvs` and `colors`.
     pub tangents: Vec<[f32; 4]>,
     pub uvs: Vec<[f32; 2]>,
+    pub second_uvs: Vec<[f32; 2]>,
     pub colors: Vec<[f32; 4]>,
     pub triangles: Vec<[u32; 3]>,
 }
@@ -111,7 +116,7 @@ pub(super) fn bake(primitives: &[&LocalPrimitive], world: &DAffine3) -> (Vec<Bak
         tally.inverted += count_inverted(baked);
         if local.needs_tangents {
             let given = local.tangents.as_deref();
-            tangents::set(baked, given, world, &mut tally);
+            tangents::set(baked, given, local.tangents_second, world, &mut tally);
         }
         drop_unused(baked);
     }
@@ -137,7 +142,8 @@ fn place(local: &LocalPrimitive, world: &DAffine3, tally: &mut Tally) -> BakedPr
     }
     tally.duplicate += drop_duplicates(&mut triangles);
     tally.remainder += local.remainder;
-    if local.needs_uvs && local.uvs.is_none() {
+    let lacks = local.needs_uvs && local.uvs.is_none() || local.needs_second && local.second_uvs.is_none();
+    if lacks {
         tally.without_uvs += positions.len();
     }
     BakedPrimitive {
@@ -146,6 +152,7 @@ fn place(local: &LocalPrimitive, world: &DAffine3, tally: &mut Tally) -> BakedPr
         normals: Vec::new(),
         tangents: Vec::new(),
         uvs: local.uvs.clone().unwrap_or_default(),
+        second_uvs: local.second_uvs.clone().unwrap_or_default(),
         colors: local.colors.clone().unwrap_or_default(),
         triangles,
     }
@@ -267,6 +274,7 @@ fn drop_unused(baked: &mut BakedPrimitive) {
     keep(&mut baked.normals, &new);
     keep(&mut baked.tangents, &new);
     keep(&mut baked.uvs, &new);
+    keep(&mut baked.second_uvs, &new);
     keep(&mut baked.colors, &new);
 }
 

@@ -37,8 +37,23 @@ pub struct Material {
     pub translucent: bool,
     /// How light goes on inside, where the file says so.
     pub scattering: Option<Scattering>,
-    /// Part of the reflectance at normal incidence that the index of refraction gives, 0..1 (KHR_materials_specular).
-    pub specular: f32,
+    /// How much of a dielectric's gloss there is, and of which colour.
+    pub specular: Specular,
+    /// A clear varnish over everything else.
+    pub coat: Coat,
+    /// Fibres that glow where they are seen edge on, between coat and surface.
+    pub sheen: Sheen,
+    /// Share of the light that scatters inside where the material has a profile, 0..1; the rest leaves where it enters
+    /// (KHR_materials_diffuse_transmission's factor).
+    pub scatter_mask: f32,
+    /// Index into the textures, linear, A: multiplies the share.
+    pub scatter_mask_texture: Option<usize>,
+    /// How thick the body is under the surface, mm; 0: the file does not say (KHR_materials_volume).
+    pub thickness_mm: f32,
+    /// Index into the textures, linear, G: multiplies the thickness.
+    pub thickness_texture: Option<usize>,
+    /// A bit for each [`MAPS`] entry whose texture reads the scene's second coordinates.
+    pub second_uvs: u32,
     /// Index into the caller's list of profiles; `None` does not scatter. Loaders leave it `None`.
     pub scatter: Option<usize>,
 }
@@ -66,7 +81,14 @@ impl Material {
             unlit: false,
             translucent: false,
             scattering: None,
-            specular: 1.0,
+            specular: Specular { factor: 1.0, color: [1.0; 3], factor_texture: None, color_texture: None },
+            coat: Coat::default(),
+            sheen: Sheen::default(),
+            scatter_mask: 1.0,
+            scatter_mask_texture: None,
+            thickness_mm: 0.0,
+            thickness_texture: None,
+            second_uvs: 0,
             scatter: None,
         }
     }
@@ -83,12 +105,89 @@ impl Material {
 
     /// Whether any texture is read, so that UVs are needed.
     pub fn is_textured(&self) -> bool {
-        self.base_color_texture.is_some()
-            || self.metallic_roughness_texture.is_some()
-            || self.normal_texture.is_some()
-            || self.occlusion_texture.is_some()
-            || self.emission_texture.is_some()
+        self.maps().iter().any(Option::is_some)
     }
+
+    /// Whether its gloss is more than one plain dielectric's or metal's: a coat, sheen, a weight or a colour of its own.
+    pub fn is_coated(&self) -> bool {
+        let Specular { factor, color, .. } = self.specular;
+        self.coat.factor > 0.0 || self.sheen.color.iter().any(|c| *c > 0.0) || factor != 1.0 || color != [1.0; 3]
+    }
+
+    /// Its textures, in the order of [`MAPS`].
+    pub fn maps(&self) -> [Option<usize>; MAPS.len()] {
+        [
+            self.base_color_texture,
+            self.metallic_roughness_texture,
+            self.normal_texture.map(|t| t.0),
+            self.occlusion_texture.map(|t| t.0),
+            self.emission_texture,
+            self.scatter_mask_texture,
+            self.thickness_texture,
+            self.coat.factor_texture,
+            self.coat.roughness_texture,
+            self.sheen.color_texture,
+            self.sheen.roughness_texture,
+            self.specular.factor_texture,
+            self.specular.color_texture,
+        ]
+    }
+}
+
+/// Textures of a material, in one order for all who count them: the shaders' name, and the constant that says it is there.
+pub const MAPS: [(&str, &str); 13] = [
+    ("base_color_map", "BASE_MAP"),
+    ("metallic_roughness_map", "ROUGH_MAP"),
+    ("normal_map", "NORMAL_MAP"),
+    ("occlusion_map", "OCCLUSION_MAP"),
+    ("emission_map", "EMISSION_MAP"),
+    ("scatter_map", "SCATTER_MAP"),
+    ("thickness_map", "THICKNESS_MAP"),
+    ("coat_map", "COAT_MAP"),
+    ("coat_roughness_map", "COAT_ROUGH_MAP"),
+    ("sheen_map", "SHEEN_MAP"),
+    ("sheen_roughness_map", "SHEEN_ROUGH_MAP"),
+    ("specular_map", "SPECULAR_MAP"),
+    ("specular_color_map", "SPECULAR_COLOR_MAP"),
+];
+
+/// A dielectric's gloss beside its index of refraction (KHR_materials_specular).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Specular {
+    /// Factor on all of it, 0..1.
+    pub factor: f32,
+    /// Factor on the reflectance at normal incidence, linear RGB, not negative; what comes out is held to 1.
+    pub color: [f32; 3],
+    /// Index into the textures, linear, A.
+    pub factor_texture: Option<usize>,
+    /// Index into the textures, sRGB.
+    pub color_texture: Option<usize>,
+}
+
+/// A clear varnish of F0 .04, not bent by normal maps (KHR_materials_clearcoat).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Coat {
+    /// Share of the surface that has it, 0..1.
+    pub factor: f32,
+    /// Perceptual roughness, 0..1.
+    pub roughness: f32,
+    /// Index into the textures, linear, R.
+    pub factor_texture: Option<usize>,
+    /// Index into the textures, linear, G.
+    pub roughness_texture: Option<usize>,
+}
+
+/// Sheen of fibres (KHR_materials_sheen).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sheen {
+    /// Linear RGB, 0..1; black: there is none.
+    pub color: [f32; 3],
+    /// Perceptual roughness, 0..1.
+    pub roughness: f32,
+    /// Index into the textures, sRGB.
+    pub color_texture: Option<usize>,
+    /// Index into the textures, linear, A.
+    pub roughness_texture: Option<usize>,
 }
 
 /// The inside of a material as glTF has it (KHR_materials_volume and its companions).

@@ -32,7 +32,7 @@ pub use camera::{Camera, Projection};
 pub use environment::Environment;
 pub use error::SceneError;
 pub use light::{Light, LightKind, direction_from};
-pub use material::{Alpha, Filter, Material, Scattering, Texture, Wrap};
+pub use material::{Alpha, Coat, Filter, MAPS, Material, Scattering, Sheen, Specular, Texture, Wrap};
 pub use mesh_curvature::vertex_curvature;
 pub use mips::Mips;
 pub use shape::{ShapeSpec, shape_curvature, shape_normal};
@@ -55,6 +55,9 @@ pub struct Scene {
     pub tangents: Vec<[f32; 4]>,
     /// Texture coordinates, v downwards; empty if no texture is used (and `keep_uvs` is off), else as many as positions.
     pub uvs: Vec<[f32; 2]>,
+    /// Second coordinates, for the textures that [`Material::second_uvs`] names; empty if there are none, else as many as
+    /// positions.
+    pub second_uvs: Vec<[f32; 2]>,
     /// Linear RGBA, not negative, that multiplies the base colour; empty if no vertex has a colour, else as many as positions.
     pub colors: Vec<[f32; 4]>,
     /// Triangles, counter-clockwise seen from the front; every index is below `positions.len()`.
@@ -204,9 +207,10 @@ impl Scene {
                 Some(name) => material.name == name,
                 None => material.is_opaque_dielectric() && (material.translucent || !said),
             };
-            if chosen {
+            found |= chosen;
+            // What its mask lets nowhere in scatters nothing, and the frame need not ask.
+            if chosen && material.scatter_mask > 0.0 {
                 material.scatter = Some(profile);
-                found = true;
             }
         }
         match material_name {

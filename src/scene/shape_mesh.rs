@@ -192,6 +192,7 @@ impl Builder {
             name: name.to_owned(),
             origin: DVec3::ZERO,
             bounds: Aabb::around(&self.positions),
+            second_uvs: Vec::new(),
             colors: Vec::new(),
             draws: vec![Draw { material: 0, first_index: 0, index_count: self.indices.len() as u32 }],
             positions: self.positions,

@@ -8,14 +8,23 @@ use glam::{DAffine3, DVec3, Vec3};
 use super::bake::{BakedPrimitive, Tally};
 
 /// Sets the tangents of a primitive whose normals are in place. Vertices that need two tangents are split.
-pub(super) fn set(baked: &mut BakedPrimitive, given: Option<&[[f32; 4]]>, world: &DAffine3, tally: &mut Tally) {
+///
+/// `second`: the normal map reads the second UVs.
+pub(super) fn set(
+    baked: &mut BakedPrimitive,
+    given: Option<&[[f32; 4]]>,
+    second: bool,
+    world: &DAffine3,
+    tally: &mut Tally,
+) {
+    let uvs = if second { &baked.second_uvs } else { &baked.uvs };
     match given {
         Some(given) => carry(baked, given, world, tally),
         // Without UVs nothing says which way a texture runs.
-        None if baked.uvs.is_empty() => {
+        None if uvs.is_empty() => {
             baked.tangents = baked.normals.iter().map(|&n| across(n)).collect();
         }
-        None => make(baked, tally),
+        None => make(baked, second, tally),
     }
 }
 
@@ -47,6 +56,7 @@ fn carry(baked: &mut BakedPrimitive, given: &[[f32; 4]], world: &DAffine3, tally
 /// A primitive as MikkTSpace sees it, and the tangent of every corner.
 struct Corners<'a> {
     baked: &'a BakedPrimitive,
+    uvs: &'a [[f32; 2]],
     /// The middle of the primitive, so that positions in f32 are exact.
     center: DVec3,
     tangents: Vec<Option<[f32; 4]>>,
@@ -77,7 +87,7 @@ impl Geometry for Corners<'_> {
     }
 
     fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
-        let [u, v] = self.baked.uvs[self.vertex(face, corner)];
+        let [u, v] = self.uvs[self.vertex(face, corner)];
         // MikkTSpace's v points up, glTF's down: green in a normal map is up (+Y), against v.
         [u, 1.0 - v]
     }
@@ -87,17 +97,23 @@ impl Geometry for Corners<'_> {
     }
 }
 
-fn make(baked: &mut BakedPrimitive, tally: &mut Tally) {
+fn make(baked: &mut BakedPrimitive, second: bool, tally: &mut Tally) {
     tally.made_tangents += baked.positions.len();
     let Some(&center) = baked.triangles.first().map(|t| &baked.positions[t[0] as usize]) else {
         baked.tangents = baked.normals.iter().map(|&n| across(n)).collect();
         return;
     };
-    let mut corners = Corners { baked, center, tangents: vec![None; 3 * baked.triangles.len()] };
+    let uvs = if second { &baked.second_uvs } else { &baked.uvs };
+    let mut corners = Corners { baked, uvs, center, tangents: vec![None; 3 * baked.triangles.len()] };
     // Its error type has no values; were there one, the tangents would stay None and be replaced below.
     let _ = generate_tangents(&mut corners);
     let tangents = corners.tangents;
     split(baked, tangents, tally);
+}
+
+/// An attribute's value of a vertex once more, where the primitive has the attribute.
+fn double<T: Copy>(attribute: &mut Vec<T>, vertex: usize) {
+    attribute.extend(attribute.get(vertex).copied());
 }
 
 /// Gives each vertex its corners' tangent; where corners differ, the vertex is doubled.
@@ -120,7 +136,9 @@ fn split(baked: &mut BakedPrimitive, corners: Vec<Option<[f32; 4]>>, tally: &mut
                 *index = *doubles.entry(key).or_insert_with(|| {
                     baked.positions.push(baked.positions[old]);
                     baked.normals.push(baked.normals[old]);
-                    baked.uvs.push(baked.uvs[old]);
+                    double(&mut baked.uvs, old);
+                    double(&mut baked.second_uvs, old);
+                    double(&mut baked.colors, old);
                     tangents.push(Some(tangent));
                     tangents.len() as u32 - 1
                 });

@@ -91,6 +91,71 @@ pub fn fuzz_albedo(nv: f64) -> f64 {
     0.7284 + s * (-0.2018 + s * (-1.6271 + s * (1.9159 - 0.7337 * s)))
 }
 
+/// Least alpha of sheen, as in the shader.
+const LEAST_SHEEN: f64 = 1e-2;
+
+/// Share of a white sky that white sheen reflects (Estevez & Kulla 2017: D = (2 + 1/a) sin^(1/a) / 2 pi, a = roughness^2; with the
+/// visibility of [`fuzz_albedo`]); `nv` = n.v in 0..1, perceptual `roughness` 0..1. Above 1 for smooth sheen seen edge on,
+/// where [`Layers`] hold it to 1. By midpoints over the half vector, 1e-3 but for the very edge.
+pub fn sheen_albedo(nv: f64, roughness: f64) -> f64 {
+    const N: usize = 48;
+    let nv = nv.clamp(1e-4, 1.0);
+    let power = 1.0 / (roughness * roughness).max(LEAST_SHEEN);
+    let across = (1.0 - nv * nv).sqrt();
+    let mut sum = 0.0;
+    for i in 0..N {
+        // Half vectors by D's own share of the angle: sin^(power + 1) ds, the cosine from 0 up.
+        let theta = (i as f64 + 0.5) / N as f64 * PI / 2.0;
+        let (sine, nh) = theta.sin_cos();
+        let d = (2.0 + power) * sine.powf(power) / (2.0 * PI);
+        for j in 0..N {
+            let vh = sine * ((j as f64 + 0.5) / N as f64 * PI).cos() * across + nh * nv;
+            let nl = 2.0 * vh * nh - nv;
+            if nl > 0.0 && vh > 0.0 {
+                // dl = 4 v.h dh.
+                sum += d / (4.0 * (nl + nv - nl * nv)) * nl * 4.0 * vh * sine;
+            }
+        }
+    }
+    sum * (PI / 2.0 / N as f64) * (2.0 * PI / N as f64)
+}
+
+/// [`sheen_albedo`] as halves, over the axes of [`table`].
+pub fn sheen_table() -> &'static [f16] {
+    static TABLE: LazyLock<Vec<f16>> = LazyLock::new(|| {
+        let texel = |i: usize| {
+            let at = [i % SIDE, i / SIDE].map(|x| x as f64 / (SIDE - 1) as f64);
+            f16::from_f64(sheen_albedo(at[0] * at[0], at[1]))
+        };
+        (0..SIDE * SIDE).into_par_iter().map(texel).collect()
+    });
+    &TABLE
+}
+
+/// What lies over a surface: a clear coat of F0 .04 (KHR_materials_clearcoat), under it sheen (KHR_materials_sheen).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layers {
+    /// Share of the surface that is coated, 0..1.
+    pub coat: f64,
+    /// Perceptual, 0..1.
+    pub coat_roughness: f64,
+    /// Linear RGB, 0..1.
+    pub sheen: [f64; 3],
+    /// Perceptual, 0..1.
+    pub sheen_roughness: f64,
+}
+
+impl Layers {
+    /// Shares of a white sky: what both reflect, RGB, and what is left for the surface below. With the surface's own that is
+    /// never more than 1; coloured sheen swallows what the brightest of its channels takes and the others do not reflect.
+    pub fn shares(&self, nv: f64) -> ([f64; 3], f64) {
+        let coat = self.coat * albedo(look_up(nv, self.coat_roughness), 0.04);
+        let sheen = sheen_albedo(nv, self.sheen_roughness).min(1.0);
+        let brightest = self.sheen.iter().copied().fold(0.0, f64::max);
+        (self.sheen.map(|c| coat + (1.0 - coat) * c * sheen), (1.0 - coat) * (1.0 - brightest * sheen))
+    }
+}
+
 /// Both lobes of a surface: roughness is the material's times each factor, held to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lobes {

@@ -35,11 +35,7 @@ fn all(plan: &mut Plan, s: &Setup) {
     shadow::layers(plan, s, |plan, name, layer, state| {
         let state = crate::gpu::pipeline::Raster {
             colors: vec![format("entrance")],
-            streams: vec![
-                (0, vk::Format::R32G32B32_SFLOAT),
-                (1, vk::Format::R32G32B32_SFLOAT),
-                (2, vk::Format::R32G32_SFLOAT),
-            ],
+            streams: vec![(0, vk::Format::R32G32B32_SFLOAT), (1, vk::Format::R32G32B32_SFLOAT), (2, s.uv_format())],
             ..state
         };
         let colors = vec![("entrance".to_owned(), Some([u32::MAX; 4]))];

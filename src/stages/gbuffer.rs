@@ -27,6 +27,13 @@ pub fn add(plan: &mut Plan, s: &Setup) {
 
 fn all(plan: &mut Plan, s: &Setup) {
     let mut colors = vec!["viewz", "normal", "albedo", "material"];
+    let layered = s.coated || s.thickest_mm > 0.;
+    if layered {
+        colors.push("coat");
+    } else if s.lit_view() {
+        let why = "no material has a coat, sheen, specular of its own or thickness that is seen";
+        plan.leave_out("coat", why, 8 * s.pixels());
+    }
     if s.atlas.is_some() {
         colors.push("chart");
     }
@@ -48,16 +55,24 @@ fn all(plan: &mut Plan, s: &Setup) {
         let back = s.has_uvs.then_some(Spared::TextureCoordinates);
         plan.leave_out("texture coordinates", "no material is textured", 0).back = back;
     }
+    if !s.second_uvs {
+        plan.leave_out("second texture coordinates", "no texture reads any", 0);
+    }
     if !s.colors {
         plan.leave_out("vertex colours", "no vertex has one", 0);
     }
     let extra = if s.mass { Extra::Mass } else { Extra::None };
-    let fragment = match (s.mass, s.detail, s.normal_maps) {
-        (false, _, _) if s.atlas.is_some() => &shaders::GBUFFER_FRAG_CHART,
-        (false, _, _) => &shaders::GBUFFER_FRAG_PLAIN,
-        (true, false, _) => &shaders::GBUFFER_FRAG_MASS,
-        (true, true, false) => &shaders::GBUFFER_FRAG_MASS_FACET,
-        (true, true, true) => &shaders::GBUFFER_FRAG_BUMPED_MASS_FACET,
+    let fragment = match (s.mass, s.detail, s.normal_maps, layered) {
+        (false, _, _, false) if s.atlas.is_some() => &shaders::GBUFFER_FRAG_CHART,
+        (false, _, _, false) => &shaders::GBUFFER_FRAG_PLAIN,
+        (true, false, _, false) => &shaders::GBUFFER_FRAG_MASS,
+        (true, true, false, false) => &shaders::GBUFFER_FRAG_MASS_FACET,
+        (true, true, true, false) => &shaders::GBUFFER_FRAG_BUMPED_MASS_FACET,
+        (false, _, _, true) if s.atlas.is_some() => &shaders::GBUFFER_FRAG_CHART_COAT,
+        (false, _, _, true) => &shaders::GBUFFER_FRAG_PLAIN_COAT,
+        (true, false, _, true) => &shaders::GBUFFER_FRAG_MASS_COAT,
+        (true, true, false, true) => &shaders::GBUFFER_FRAG_MASS_FACET_COAT,
+        (true, true, true, true) => &shaders::GBUFFER_FRAG_BUMPED_MASS_FACET_COAT,
     };
     let state = state(s, &colors, extra);
     // A viewz of 0 says that nothing else of the pixel means anything, so nothing else is cleared.
@@ -77,7 +92,7 @@ pub fn state(s: &Setup, colors: &[&str], extra: Extra) -> Raster {
     let format = |name: &str| targets::describe(name).map_or(vk::Format::UNDEFINED, |t| t.format);
     let mut streams = vec![(0, vk::Format::R32G32B32_SFLOAT), (1, vk::Format::R32G32B32_SFLOAT)];
     if s.uvs {
-        streams.push((2, vk::Format::R32G32_SFLOAT));
+        streams.push((2, s.uv_format()));
     }
     if s.normal_maps {
         streams.push((3, vk::Format::R32G32B32A32_SFLOAT));

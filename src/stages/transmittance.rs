@@ -29,6 +29,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         .constant("OFFSET", offset.to_bits())
         .constant("WIDEN", widen.to_bits())
         .constant("PRE", u32::from(s.pre_textured()))
+        .constant("MASKED", u32::from(s.masked))
         .bind("normal", s.shading_normal());
     s.specialise_lights(pass);
 }

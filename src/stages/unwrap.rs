@@ -15,8 +15,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     }
     let side = texture_space::effort(s.settings.quality).0;
     let format = |name: &str| targets::describe(name).map_or(vk::Format::UNDEFINED, |t| t.format);
-    let mut streams =
-        vec![(0, vk::Format::R32G32B32_SFLOAT), (1, vk::Format::R32G32B32_SFLOAT), (2, vk::Format::R32G32_SFLOAT)];
+    let mut streams = vec![(0, vk::Format::R32G32B32_SFLOAT), (1, vk::Format::R32G32B32_SFLOAT), (2, s.uv_format())];
     if s.normal_maps {
         streams.push((3, vk::Format::R32G32B32A32_SFLOAT));
     }

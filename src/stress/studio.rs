@@ -212,6 +212,7 @@ pub fn triangles(name: &str, positions: Vec<[f32; 3]>, normals: Vec<[f32; 3]>, i
         name: name.to_owned(),
         origin: glam::DVec3::ZERO,
         bounds: Aabb::around(&positions),
+        second_uvs: Vec::new(),
         colors: Vec::new(),
         draws: vec![crate::scene::Draw { material: 0, first_index: 0, index_count: indices.len() as u32 }],
         uvs: vec![[0.; 2]; positions.len()],

@@ -88,8 +88,19 @@ fn texture_transforms_are_baked_and_disagreement_is_said() {
     let scene = made.load(&document).unwrap();
     // (1, 1) -> scaled (2, 1) -> turned (1, -2) -> moved (1.25, -2).
     assert!(scene.uvs.iter().any(|uv| (uv[0] - 1.25).abs() < 1e-6 && (uv[1] + 2.0).abs() < 1e-6));
-    assert_eq!(scene.materials[0].normal_texture, None);
-    assert!(scene.warnings.iter().any(|w| w.starts_with("1 textures left out that read other UVs")));
+    assert_sound(&scene);
+    // The normal map reads them as they are: the second kind, and the tangents are its own.
+    assert_eq!(scene.materials[0].second_uvs, 1 << 2);
+    assert!(scene.second_uvs.iter().all(|uv| uv.iter().all(|x| *x == 0. || *x == 1.)));
+    assert!(!scene.warnings.iter().any(|w| w.contains("left out")), "{:?}", scene.warnings);
+    assert!(scene.tangents.iter().all(|t| (Vec4::from(*t) - Vec4::new(1., 0., 0., 1.)).length() < 1e-6));
+    let mut third = document.clone();
+    third["materials"][0]["occlusionTexture"] =
+        json!({"index": 0, "extensions": {"KHR_texture_transform": {"scale": [3, 3]}}});
+    let left = made.load(&third).unwrap();
+    assert_eq!(left.materials[0].occlusion_texture, None);
+    assert!(left.materials[0].normal_texture.is_some());
+    assert!(left.warnings.iter().any(|w| w.starts_with("1 textures left out that read a third kind of UVs")));
     document["materials"][0]["normalTexture"]["extensions"] =
         document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"].clone();
     let scene = made.load(&document).unwrap();
@@ -237,15 +248,16 @@ fn emission_without_its_texture_is_dark() {
     std::fs::write(made.0.path().join("a.png"), png(1, 1)).unwrap();
     let mut document = textured();
     document["materials"][0]["emissiveFactor"] = json!([1, 1, 1]);
+    document["materials"][0]["normalTexture"]["texCoord"] = json!(1);
     let mut load = |set: u32| {
         document["materials"][0]["emissiveTexture"] = json!({"index": 0, "texCoord": set});
         made.load(&document).unwrap()
     };
     let glowing = load(0);
     assert!(glowing.materials[0].emission == [1.; 3] && glowing.materials[0].emission_texture.is_some());
-    let dark = load(1);
+    let dark = load(2);
     assert!(dark.materials[0].emission == [0.; 3] && dark.materials[0].emission_texture.is_none());
-    assert!(dark.warnings.iter().any(|w| w.starts_with("1 textures left out that read other UVs")));
+    assert!(dark.warnings.iter().any(|w| w.starts_with("1 textures left out that read a third kind of UVs")));
     std::fs::write(made.0.path().join("a.png"), b"\xABKTX 20\xBB\r\n\x1a\n").unwrap();
     assert_eq!(load(0).materials[0].emission, [0.; 3]);
 }
@@ -267,7 +279,7 @@ fn emission_unlit_and_colours_of_vertices_are_read() {
     let made = Fixture::new();
     let scene = made.load(&document).unwrap();
     let material = &scene.materials[0];
-    assert_eq!((material.emission, material.unlit, material.specular), ([8., 4., 2.], true, 0.25));
+    assert_eq!((material.emission, material.unlit, material.specular.factor), ([8., 4., 2.], true, 0.25));
     assert_eq!((material.roughness, material.metallic), (0.0, 0.5));
     let said = "materials[0].pbrMetallicRoughness.roughnessFactor: -3 makes no sense; 0 is taken";
     assert!(scene.warnings.iter().any(|w| w == said), "{:?}", scene.warnings);

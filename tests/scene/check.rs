@@ -15,6 +15,7 @@ pub fn fault_of(scene: &Scene) -> Option<String> {
         (scene.normals.len() == count, "a normal a vertex"),
         ([0, count].contains(&scene.tangents.len()), "a tangent a vertex"),
         ([0, count].contains(&scene.uvs.len()), "a uv a vertex"),
+        ([0, count].contains(&scene.second_uvs.len()), "a second uv a vertex"),
         ([0, count].contains(&scene.colors.len()), "a colour a vertex"),
         (scene.colors.as_flattened().iter().all(|x| x.is_finite() && *x >= 0.0), "colours finite, not negative"),
         (
@@ -32,11 +33,7 @@ pub fn fault_of(scene: &Scene) -> Option<String> {
         (scene.textures.iter().all(|t| t.rgba8.len() == 4 * (t.width * t.height) as usize), "whole textures"),
         (scene.bounds.center().length() <= 1e-3 * scene.bounds.size().length(), "centred"),
         (
-            scene.materials.iter().all(|m| {
-                let slots = [m.base_color_texture, m.metallic_roughness_texture, m.emission_texture];
-                let scaled = [m.normal_texture, m.occlusion_texture].map(|s| s.map(|s| s.0));
-                slots.iter().chain(&scaled).flatten().all(|&t| t < scene.textures.len())
-            }),
+            scene.materials.iter().all(|m| m.maps().iter().flatten().all(|&t| t < scene.textures.len())),
             "textures in range",
         ),
         (scene.warnings.iter().all(|w| !w.contains('\n')), "warnings of one line"),

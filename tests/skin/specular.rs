@@ -1,4 +1,4 @@
-use pdss::skin::specular::{Lobes, albedo, fuzz_albedo, look_up, split_sum};
+use pdss::skin::specular::{Layers, Lobes, albedo, fuzz_albedo, look_up, sheen_albedo, split_sum};
 use std::f64::consts::PI;
 
 /// Share of a white sky that one bounce reflects, by midpoint quadrature over the light's own angles: no half vector drawn.
@@ -104,4 +104,43 @@ fn hair_reflects_what_its_fit_says() {
     }
     println!("fuzz off {off:.1e}; a straight line {straight:.1e}");
     assert!(off < 3e-2 && straight > 1e-1);
+}
+
+#[test]
+fn sheen_reflects_its_own_integral_and_layers_take_what_they_reflect() {
+    const N: usize = 500;
+    let by_light = |nv: f64, power: f64| {
+        let across = (1. - nv * nv).sqrt();
+        let mut sum = 0.;
+        for i in 0..N * N {
+            let theta = ((i / N) as f64 + 0.5) / N as f64 * PI / 2.;
+            let phi = ((i % N) as f64 + 0.5) / N as f64 * PI;
+            let (s, nl) = theta.sin_cos();
+            let h = [s * phi.cos() + across, s * phi.sin(), nl + nv];
+            let nh2 = h[2] * h[2] / (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
+            let d = (2. + power) * (1. - nh2).powf(power / 2.) / (2. * PI);
+            sum += d / (4. * (nl + nv - nl * nv)) * nl * s;
+        }
+        sum * (PI / 2. / N as f64) * (2. * PI / N as f64)
+    };
+    let (mut off, mut wrong) = (0f64, 0f64);
+    for roughness in [0.3, 0.5, 0.7, 1.] {
+        for nv in [0.1, 0.3, 0.6, 1.] {
+            let want = by_light(nv, 1. / (roughness * roughness));
+            off = off.max((sheen_albedo(nv, roughness) - want).abs());
+            wrong = wrong.max((sheen_albedo(nv, roughness.sqrt()) - want).abs());
+        }
+    }
+    println!("sheen off {off:.1e}; with alpha for roughness {wrong:.1e}");
+    assert!(off < 2e-3 && wrong > 5e-2);
+    // The hair that was fitted is sheen of alpha 1/2.
+    assert!((sheen_albedo(0.5, 0.5f64.sqrt()) - fuzz_albedo(0.5)).abs() < 5e-3);
+    for nv in [0.01, 0.2, 0.7, 1.] {
+        for roughness in [0.3, 0.6, 1.] {
+            let all = Layers { coat: 1., coat_roughness: roughness, sheen: [1., 0.5, 0.], sheen_roughness: roughness };
+            let (reflected, under) = all.shares(nv);
+            assert!(reflected.iter().all(|r| r + under <= 1. + 1e-12 && under >= -1e-12), "{nv} {roughness}");
+            assert!((reflected[0] + under - 1.).abs() < 1e-12 && reflected[2] + under < 1.);
+        }
+    }
 }

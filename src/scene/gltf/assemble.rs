@@ -15,8 +15,8 @@ use crate::scene::{Aabb, Draw, Scene};
 /// What the drawn primitives wear.
 pub(super) struct Wardrobe {
     materials: Vec<Material>,
-    /// UVs of each material.
-    uvs: Vec<Uvs>,
+    /// First and second UVs of each material.
+    uvs: Vec<[Uvs; 2]>,
     textures: Vec<Texture>,
     /// Scene's material for each of the file's, the default last; unused ones are meaningless.
     renumbered: Vec<usize>,
@@ -65,7 +65,7 @@ impl Wardrobe {
         if dropped > 0 {
             wardrobe
                 .warnings
-                .push(format!("{dropped} textures left out that read other UVs than the rest of their material"));
+                .push(format!("{dropped} textures left out that read a third kind of UVs in their material"));
         }
         let empty = slots().filter(|slot| textures[slot.texture].image.is_none()).count();
         if empty > 0 {
@@ -97,7 +97,7 @@ impl Wardrobe {
                 }
                 continue;
             };
-            let key = (slot.texture, matches!(slot.slot, Slot::BaseColor | Slot::Emission));
+            let key = (slot.texture, slot.slot.is_color());
             let index = match made.iter().position(|m| *m == key) {
                 Some(index) => index,
                 None => {
@@ -114,6 +114,17 @@ impl Wardrobe {
                 Slot::Occlusion => {
                     material.occlusion_texture = Some((index, slot.factor.clamp(0.0, 1.0)));
                 }
+                Slot::ScatterMask => match constant_alpha(&self.textures[index]) {
+                    Some(alpha) => material.scatter_mask *= alpha,
+                    None => material.scatter_mask_texture = Some(index),
+                },
+                Slot::Thickness => material.thickness_texture = Some(index),
+                Slot::Coat => material.coat.factor_texture = Some(index),
+                Slot::CoatRoughness => material.coat.roughness_texture = Some(index),
+                Slot::Sheen => material.sheen.color_texture = Some(index),
+                Slot::SheenRoughness => material.sheen.roughness_texture = Some(index),
+                Slot::Specular => material.specular.factor_texture = Some(index),
+                Slot::SpecularColor => material.specular.color_texture = Some(index),
             }
         }
         self.materials.push(material);
@@ -126,10 +137,13 @@ impl Wardrobe {
         let last = self.renumbered.len() - 1;
         let material = self.renumbered[material.unwrap_or(last)];
         let wears = &self.materials[material];
+        let [first, second] = self.uvs[material];
         Wanted {
             material,
-            uvs: (wears.is_textured() || self.keep_uvs).then_some(self.uvs[material]),
+            uvs: (wears.is_textured() || self.keep_uvs).then_some(first),
+            second_uvs: (wears.second_uvs != 0).then_some(second),
             tangents: wears.normal_texture.is_some(),
+            tangents_second: wears.second_uvs >> Slot::Normal.map() & 1 != 0,
             textured: wears.is_textured(),
         }
     }
@@ -150,6 +164,7 @@ impl Wardrobe {
         let has_tangents = self.materials.iter().any(|m| m.normal_texture.is_some());
         let has_uvs = self.materials.iter().any(Material::is_textured)
             || (self.keep_uvs && primitives.iter().any(|p| !p.uvs.is_empty()));
+        let has_second = primitives.iter().any(|p| !p.second_uvs.is_empty());
         let has_colors = primitives.iter().any(|p| !p.colors.is_empty());
         let mut scene = Scene {
             name: String::new(),
@@ -159,6 +174,7 @@ impl Wardrobe {
             normals: Vec::with_capacity(vertices),
             tangents: Vec::with_capacity(if has_tangents { vertices } else { 0 }),
             uvs: Vec::with_capacity(if has_uvs { vertices } else { 0 }),
+            second_uvs: Vec::with_capacity(if has_second { vertices } else { 0 }),
             colors: Vec::with_capacity(if has_colors { vertices } else { 0 }),
             indices: Vec::with_capacity(indices),
             draws: Vec::new(),
@@ -177,7 +193,8 @@ impl Wardrobe {
         for (material, primitives) in by_material.into_iter().enumerate() {
             let first_index = scene.indices.len() as u32;
             for primitive in primitives {
-                append(&mut scene, primitive, Has { tangents: has_tangents, uvs: has_uvs, colors: has_colors });
+                let has = Has { tangents: has_tangents, uvs: has_uvs, second_uvs: has_second, colors: has_colors };
+                append(&mut scene, primitive, has);
             }
             let index_count = scene.indices.len() as u32 - first_index;
             if index_count > 0 {
@@ -194,7 +211,15 @@ impl Wardrobe {
 struct Has {
     tangents: bool,
     uvs: bool,
+    second_uvs: bool,
     colors: bool,
+}
+
+/// The alpha of a texture that has but one.
+fn constant_alpha(texture: &Texture) -> Option<f32> {
+    let first = *texture.rgba8.get(3)?;
+    let same = texture.rgba8.iter().skip(3).step_by(4).all(|a| *a == first);
+    same.then_some(f32::from(first) / 255.0)
 }
 
 fn append(scene: &mut Scene, primitive: BakedPrimitive, has: Has) {
@@ -217,6 +242,11 @@ fn append(scene: &mut Scene, primitive: BakedPrimitive, has: Has) {
         scene.uvs.extend(std::iter::repeat_n([0.0; 2], count));
     } else if has.uvs {
         scene.uvs.extend(primitive.uvs);
+    }
+    if has.second_uvs && primitive.second_uvs.is_empty() {
+        scene.second_uvs.extend(std::iter::repeat_n([0.0; 2], count));
+    } else if has.second_uvs {
+        scene.second_uvs.extend(primitive.second_uvs);
     }
     scene.normals.extend(primitive.normals);
     let corners = primitive.triangles.iter().flatten();

@@ -4,14 +4,16 @@ use super::json::At;
 use crate::scene::error::Fault;
 
 /// Read and obeyed.
-const SUPPORTED: [&str; 13] = [
+const SUPPORTED: [&str; 15] = [
     "EXT_texture_webp",
     "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
     "KHR_materials_diffuse_transmission",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_scatter",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_unlit",
     "KHR_materials_volume",

@@ -3,7 +3,7 @@
 use glam::{DAffine2, DMat2, DVec2};
 
 use super::json::At;
-use super::scattering;
+use super::{gloss, scattering};
 use crate::scene::error::Fault;
 use crate::scene::material::{Alpha, Material};
 
@@ -15,6 +15,31 @@ pub(super) enum Slot {
     MetallicRoughness,
     Occlusion,
     Emission,
+    ScatterMask,
+    Thickness,
+    Coat,
+    CoatRoughness,
+    Sheen,
+    SheenRoughness,
+    Specular,
+    SpecularColor,
+}
+
+impl Slot {
+    /// Its place in [`MAPS`].
+    pub fn map(self) -> usize {
+        match self {
+            Self::BaseColor => 0,
+            Self::MetallicRoughness => 1,
+            Self::Normal => 2,
+            other => other as usize,
+        }
+    }
+
+    /// Whether its RGB is a colour.
+    pub fn is_color(self) -> bool {
+        matches!(self, Self::BaseColor | Self::Emission | Self::Sheen | Self::SpecularColor)
+    }
 }
 
 /// A texture in its slot.
@@ -43,10 +68,10 @@ impl Uvs {
 /// A material whose textures are still indices into the file.
 pub(super) struct MaterialSource {
     pub material: Material,
-    /// Slots in use, all with the same UVs.
+    /// Slots in use, with the first or the second UVs.
     pub slots: Vec<SlotUse>,
-    pub uvs: Uvs,
-    /// Slots left out because their UVs differ from those of the others.
+    pub uvs: [Uvs; 2],
+    /// Slots left out because their UVs are a third kind.
     pub dropped: usize,
     /// A line for each value that makes no sense, with the one that is taken.
     pub odd: Vec<String>,
@@ -62,7 +87,7 @@ pub(super) fn read_materials(root: &At, textures: usize, mm_per_unit: f64) -> Re
 pub(super) fn default_material() -> MaterialSource {
     let mut material = Material::new("default");
     material.roughness = 1.0;
-    MaterialSource { material, slots: Vec::new(), uvs: Uvs::PLAIN, dropped: 0, odd: Vec::new() }
+    MaterialSource { material, slots: Vec::new(), uvs: [Uvs::PLAIN; 2], dropped: 0, odd: Vec::new() }
 }
 
 fn read_material(at: &At, index: usize, textures: usize, mm_per_unit: f64) -> Result<MaterialSource, Fault> {
@@ -89,11 +114,10 @@ fn read_material(at: &At, index: usize, textures: usize, mm_per_unit: f64) -> Re
         // 0 is the extension's own word for a surface that reflects all.
         material.ior = if given == 0.0 { 0.0 } else { within(&ior, "ior", given, 1.0, f64::INFINITY, odd) };
     }
-    if let Some(specular) = at.extension("KHR_materials_specular")? {
-        material.specular = unit(&specular, "specularFactor", 1.0, odd)?;
-    }
     (material.translucent, material.scattering) = scattering::read(at, mm_per_unit, odd)?;
     let mut slots = Vec::new();
+    scattering::read_inside(at, &mut material, mm_per_unit, &mut slots, textures, odd)?;
+    gloss::read(at, &mut material, &mut slots, textures, odd)?;
     let mut take = |of: &At, key: &str, slot: Slot, factor: &str| {
         let found = read_slot(of, key, slot, factor, textures);
         found.map(|found| slots.extend(found))
@@ -134,17 +158,24 @@ fn read_material(at: &At, index: usize, textures: usize, mm_per_unit: f64) -> Re
     Ok(MaterialSource { odd: std::mem::take(odd), ..agree_on_uvs(material, slots) })
 }
 
-/// The scene has one set of UVs a vertex: the slots that read others are left out.
+/// The scene has two sets of UVs a vertex: the slots that read a third, or one of the two turned or scaled otherwise, are
+/// left out.
 fn agree_on_uvs(mut material: Material, mut slots: Vec<SlotUse>) -> MaterialSource {
-    let leader = slots.iter().min_by_key(|s| s.slot as usize);
-    let uvs = leader.map_or(Uvs::PLAIN, |s| s.uvs);
+    let leader =
+        |of: &dyn Fn(&&SlotUse) -> bool| slots.iter().filter(of).min_by_key(|s| s.slot as usize).map(|s| s.uvs);
+    let first = leader(&|_| true).unwrap_or(Uvs::PLAIN);
+    let second = leader(&|s| s.uvs != first).unwrap_or(first);
     let all = slots.len();
-    if slots.iter().any(|s| s.slot == Slot::Emission && s.uvs != uvs) {
+    let fits = |s: &SlotUse| s.uvs == first || s.uvs == second;
+    if slots.iter().any(|s| s.slot == Slot::Emission && !fits(s)) {
         // The factor alone would glow all over.
         material.emission = [0.0; 3];
     }
-    slots.retain(|s| s.uvs == uvs);
-    MaterialSource { material, uvs, dropped: all - slots.len(), slots, odd: Vec::new() }
+    slots.retain(fits);
+    for s in slots.iter().filter(|s| s.uvs != first) {
+        material.second_uvs |= 1 << s.slot.map();
+    }
+    MaterialSource { material, uvs: [first, second], dropped: all - slots.len(), slots, odd: Vec::new() }
 }
 
 /// Four numbers of 0..1, 1 where absent.
@@ -154,7 +185,7 @@ fn color(of: &At, key: &str, odd: &mut Vec<String>) -> Result<[f32; 4], Fault> {
 }
 
 /// A number of 0..1.
-fn unit(of: &At, key: &str, default: f64, odd: &mut Vec<String>) -> Result<f32, Fault> {
+pub(super) fn unit(of: &At, key: &str, default: f64, odd: &mut Vec<String>) -> Result<f32, Fault> {
     Ok(within(of, key, of.number(key)?.unwrap_or(default), 0.0, 1.0, odd))
 }
 
@@ -167,7 +198,13 @@ pub(super) fn within(of: &At, key: &str, value: f64, least: f64, most: f64, odd:
     taken as f32
 }
 
-fn read_slot(of: &At, key: &str, slot: Slot, factor: &str, textures: usize) -> Result<Option<SlotUse>, Fault> {
+pub(super) fn read_slot(
+    of: &At,
+    key: &str,
+    slot: Slot,
+    factor: &str,
+    textures: usize,
+) -> Result<Option<SlotUse>, Fault> {
     let Some(at) = of.object(key)? else {
         return Ok(None);
     };

@@ -180,7 +180,10 @@ pub(super) struct Wanted {
     /// Index of the scene's material.
     pub material: usize,
     pub uvs: Option<Uvs>,
+    pub second_uvs: Option<Uvs>,
     pub tangents: bool,
+    /// The normal map reads the second UVs.
+    pub tangents_second: bool,
     pub textured: bool,
 }
 
@@ -217,8 +220,8 @@ pub(super) fn read_geometry(
         Mode::Fan => (2..corners).map(|t| [vertex(t - 1), vertex(t), vertex(0)]).collect(),
     };
     let kept = compact.kept;
-    budget.take(&source.path, kept.len(), if source.color.is_some() { 64 } else { 48 })?;
-    let uvs = wanted.uvs.and_then(|uvs| {
+    budget.take(&source.path, kept.len(), if source.color.is_some() { 72 } else { 56 })?;
+    let read_uvs = |uvs: Uvs| {
         let set = &accessors[*source.uv_sets.get(uvs.set)?];
         let read = |&v: &usize| {
             let uv = glam::DVec2::from_array(set.floats::<2>(v).map(f64::from));
@@ -226,8 +229,11 @@ pub(super) fn read_geometry(
             if uv.is_finite() { uv.to_array() } else { [0.0; 2] }
         };
         Some(kept.iter().map(read).collect())
-    });
-    let plain = wanted.uvs.is_none_or(|uvs| uvs.transform == Uvs::PLAIN.transform);
+    };
+    let uvs = wanted.uvs.and_then(read_uvs);
+    let second_uvs = wanted.second_uvs.and_then(read_uvs);
+    let bumped = if wanted.tangents_second { wanted.second_uvs } else { wanted.uvs };
+    let plain = bumped.is_none_or(|uvs| uvs.transform == Uvs::PLAIN.transform);
     let gather = |a: usize| kept.iter().map(|&v| accessors[a].floats(v)).collect();
     let local = LocalPrimitive {
         material: wanted.material,
@@ -239,6 +245,7 @@ pub(super) fn read_geometry(
             .filter(|_| wanted.tangents && plain)
             .map(|a| kept.iter().map(|&v| accessors[a].floats(v)).collect()),
         uvs,
+        second_uvs,
         colors: source.color.map(|a| kept.iter().map(|&v| color(&accessors[a], v)).collect()),
         triangles,
         remainder: match source.mode {
@@ -246,7 +253,9 @@ pub(super) fn read_geometry(
             _ => 0,
         },
         needs_tangents: wanted.tangents,
+        tangents_second: wanted.tangents_second,
         needs_uvs: wanted.textured,
+        needs_second: wanted.second_uvs.is_some(),
     };
     Ok(Geometry { local, kept })
 }

@@ -8,6 +8,7 @@ mod assemble;
 mod container;
 mod deform;
 mod extensions;
+mod gloss;
 mod images;
 mod json;
 mod lights;
@@ -38,7 +39,7 @@ const READ_FLOOR: u64 = 256 << 20;
 /// The same for the flattened scene, in which a mesh stands once for each node that uses it.
 const FLAT_FLOOR: u64 = 1 << 30;
 /// Bytes of a baked vertex, and of a triangle while it is checked.
-const VERTEX_BYTES: usize = 76;
+const VERTEX_BYTES: usize = 84;
 const TRIANGLE_BYTES: usize = 24;
 
 /// Reads a file; `mm_per_unit`, which is the one of `options`, is positive and finite.

@@ -2,9 +2,9 @@
 //! colour), KHR_materials_scatter, or KHR_materials_diffuse_transmission.
 
 use super::json::At;
-use super::materials::within;
+use super::materials::{Slot, SlotUse, read_slot, unit, within};
 use crate::scene::error::Fault;
-use crate::scene::material::Scattering;
+use crate::scene::material::{Material, Scattering};
 
 /// Whether light passes into a material, and how it goes on there where the file gives lengths. Values that make no sense are
 /// said in `odd`.
@@ -56,4 +56,30 @@ pub(super) fn read(at: &At, mm_per_unit: f64, odd: &mut Vec<String>) -> Result<(
         return Ok((translucent, None));
     }
     Ok((translucent, Some(Scattering { distance_mm, attenuation, multiscatter, anisotropy })))
+}
+
+/// Where a material scatters, and how thick it is: KHR_materials_diffuse_transmission's factor, KHR_materials_volume's
+/// thickness, and the textures of both.
+pub(super) fn read_inside(
+    at: &At,
+    material: &mut Material,
+    mm_per_unit: f64,
+    slots: &mut Vec<SlotUse>,
+    textures: usize,
+    odd: &mut Vec<String>,
+) -> Result<(), Fault> {
+    let mut take = |of: &At, key: &str, slot: Slot, seen: bool| {
+        let found = read_slot(of, key, slot, "", textures);
+        found.map(|found| slots.extend(found.filter(|_| seen)))
+    };
+    if let Some(of) = at.extension("KHR_materials_diffuse_transmission")? {
+        material.scatter_mask = unit(&of, "diffuseTransmissionFactor", 0.0, odd)?;
+        take(&of, "diffuseTransmissionTexture", Slot::ScatterMask, material.scatter_mask > 0.0)?;
+    }
+    if let Some(of) = at.extension("KHR_materials_volume")? {
+        let given = of.number("thicknessFactor")?.unwrap_or(0.0) * mm_per_unit;
+        material.thickness_mm = within(&of, "thicknessFactor", given, 0.0, f64::INFINITY, odd);
+        take(&of, "thicknessTexture", Slot::Thickness, material.thickness_mm > 0.0)?;
+    }
+    Ok(())
 }
