@@ -39,10 +39,10 @@
 //! scene.assign_profile(None, 0)?; // every opaque dielectric scatters
 //! let camera = Camera::orbit(30., 40., 57., None, 30., &scene); // yaw, pitch, mm; its target; field of view
 //! let lights = vec![Light::directional(140., 35., 3.5), Light::directional(-40., 15., 0.4)];
-//! let profile = Some(Profile::resolve("skin")?);
+//! let profiles = vec![Profile::resolve("skin")?];
 //! let settings = Settings { method: Method::Pdss, size: Size { width: 825, height: 540 }, ..Settings::default() };
 //!
-//! let inputs = Inputs { scene: &scene, camera, lights, profile, settings, timing: None, output: Output::Ldr };
+//! let inputs = Inputs { scene: &scene, camera, lights, profiles, settings, timing: None, output: Output::Ldr };
 //! let mut renderer = Renderer::new(&gpu, inputs)?;
 //! renderer.run()?;
 //! let rgba8: Vec<u8> = renderer.ldr()?; // sRGB, row by row from the top
