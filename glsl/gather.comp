@@ -20,10 +20,12 @@
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
 #include "common/thickness.glsl"
+#include "common/coat.glsl"
 #endif
 
 layout(constant_id = 0) const int LEVELS = 1;
 layout(constant_id = 1) const bool SLAB = false;
+layout(constant_id = 2) const float THICKEST = 0.;       // mm; 0: no file says how thick its bodies are
 
 layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
 layout(set = 0, binding = 3, r32ui) uniform readonly uimage2D chart;
@@ -40,6 +42,7 @@ layout(set = 0, binding = 12, rgba16f) uniform readonly image2D sheet6;
 layout(set = 0, binding = 13, r32ui) uniform readonly uimage2D normal;
 layout(set = 0, binding = 14, r32ui) uniform readonly uimage2D stretch;
 layout(set = 0, binding = 15, r32ui) uniform readonly uimage2DArray entrance;
+layout(set = 0, binding = 16, rg32ui) uniform readonly uimage2D coat;
 #endif
 
 // Four texels around a place, and their weights.
@@ -105,6 +108,7 @@ void main() {
             if (code == 0xffffffffu) continue;
             vec2 entered = unpackUnorm2x16(code);
             float t = thickness(light, layer, q, p);
+            if (THICKEST > 0.) t = thickness_stated(THICKEST * coat_thickness(imageLoad(coat, pixel).xy), t);
             // Thickness along the normal of what is behind, along the light of what is beside.
             t *= mix(1., away, away);
             float mm = length((entered - uv) * (1. - 2. * SHEET_BORDER) * vec2(size) / max(texels, vec2(1e-9)));

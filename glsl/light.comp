@@ -6,6 +6,7 @@
 //          channel's own mix of the blurred levels (Chen, Lambert & Penner 2014)
 // moments  exitance = sum over the profile's Gaussians w E[max(0, n.l)], from mean and spread of n (common/scattering.glsl)
 // wrap     exitance_c = max(0, n.l + w_c) / (1 + w_c)^2 E (McAuley; Hill 2011), w_c fitted to a sphere of the pixel's curvature
+// pdss and wrap: light from behind thin parts by the thickness that the shadow map measures, or a file states.
 // What a light with a slot lights (cosine times visibility) is blurred with the levels: moments takes it as it is, pdss takes
 // from it how much of the unshadowed light is left. What no level carries (narrower than a pixel) is lit by the sharp normal.
 #version 460
@@ -16,6 +17,7 @@
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
 #include "common/coat.glsl"
+#include "common/thickness.glsl"
 #include "common/specular.glsl"
 #include "common/environment.glsl"
 #include "common/sky_gloss.glsl"
@@ -142,8 +144,34 @@ Footprint footprint(ivec2 pixel, vec3 p0, vec3 n, int stride) {
 layout(set = 0, binding = 20) uniform sampler2D lut;
 #elif METHOD == 3
 layout(set = 0, binding = 20, rg32ui) uniform readonly uimage2D curvature;
-// rgb Burley's d in mm, w the widest.
+#endif
+#if METHOD == 1 || METHOD == 3
+layout(constant_id = 19) const int GAUSSIANS = 0;         // of the profile, through which light comes from behind; 0: none does
+layout(constant_id = 18) const float THICKEST = 0.;       // mm; 0: no file says how thick its bodies are
+// wrap: entry 0, rgb Burley's d in mm, w the widest. Then the profile's Gaussians: rgb weight, w variance in mm^2.
+const int FIRST_GAUSSIAN = METHOD == 3 ? 1 : 0;
 layout(set = 0, binding = 21, scalar) readonly buffer KernelBlock { vec4 entry[]; } kernel;
+#endif
+
+#if METHOD == 1 || METHOD == 3
+// Light that enters a thin part on its far side, c = n.l < 0 from here: what a slab between two planes shows, front and back
+// divided by what both weigh. Where light falls on the mesh itself, its shading normal alone turns away, and none comes
+// through; where the normal grazes, a way through says nothing of a slab, and counts for less.
+vec3 from_behind(Light light, vec3 l, float c, vec3 position, vec3 n, float stated, vec3 lit) {
+    float mm = stated;
+    if (light.layer >= 0) {
+        int layer = shadow_layer(light, position);
+        mm = thickness_stated(stated, thickness(light, layer, shadow_place(layer, position), position));
+    } else if (stated == 0.) return lit;
+    vec3 through = vec3(0.);
+    for (int k = 0; k < GAUSSIANS; ++k) {
+        vec4 g = kernel.entry[FIRST_GAUSSIAN + k];
+        through += g.rgb * exp2(-.72134752 * min(mm * mm / max(g.w, 1e-30), 160.));
+    }
+    if (light.layer >= 0) through *= 1. - shadow_visibility(light, position, n, l, mat3(frame.world_from_view));
+    through *= -c;
+    return mix(lit, vec3(-c), through / (1. + through));
+}
 #endif
 
 void finish(ivec2 pixel, vec3 color) {
@@ -296,6 +324,12 @@ void main() {
             }
             // A level weighs as much as the surface that it finds.
             if (MASS && slotted) lit_here /= weights;
+        }
+#endif
+#if METHOD == 1 || METHOD == 3
+        if (GAUSSIANS > 0 && scatters && c < 0.) {
+            float stated = THICKEST > 0. ? THICKEST * coat_thickness(imageLoad(coat, pixel).xy) : 0.;
+            lit_here = from_behind(light, l, c, p, n, stated, lit_here);
         }
 #endif
         if (MASKED && share < 1.) lit_here = mix(unscattered, lit_here, share);

@@ -14,11 +14,13 @@
 #include "common/shadow.glsl"
 #include "common/thickness.glsl"
 #include "common/light_code.glsl"
+#include "common/coat.glsl"
 
 layout(constant_id = 0) const int FIRST = 0;              // entry of the kernel that the Gaussians start at
 layout(constant_id = 1) const int GAUSSIANS = 0;
 layout(constant_id = 31) const bool MASKED = false;       // some surface scatters a share of the light alone
 layout(constant_id = 2) const bool PRE = false;           // irradiance holds the square root of the colour
+layout(constant_id = 5) const float THICKEST = 0.;       // mm; 0: no file says how thick its bodies are
 layout(constant_id = 3) const float OFFSET = .3;
 layout(constant_id = 4) const float WIDEN = 1.;
 
@@ -26,6 +28,7 @@ layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
 layout(set = 0, binding = 3, r32ui) uniform readonly uimage2D normal;
 layout(set = 0, binding = 4, rgba8) uniform readonly image2D albedo;
 layout(set = 0, binding = 5, rgba16f) uniform image2D irradiance;
+layout(set = 0, binding = 7, rg32ui) uniform readonly uimage2D coat;
 // rgb weight, w variance in mm^2.
 layout(set = 0, binding = 6, scalar) readonly buffer KernelBlock { vec4 entry[]; } kernel;
 
@@ -41,14 +44,18 @@ void main() {
     vec3 sum = vec3(0.);
     for (int i = 0; i < LIGHTS; ++i) {
         Light light = lights.light[i];
-        if (light.layer < 0) continue;
+        float stated = THICKEST > 0. ? THICKEST * coat_thickness(imageLoad(coat, pixel).xy) : 0.;
+        if (light.layer < 0 && stated == 0.) continue;
         vec3 arriving;
         vec3 l = light_arrives(light, p, arriving);
         float behind = max(OFFSET - dot(n, l), 0.);
         if (behind == 0.) continue;
         vec3 sunk = p - n * (SINK * frame.length_mm);
-        int layer = shadow_layer(light, p);
-        float s = thickness(light, layer, shadow_place(layer, sunk), p);
+        float s = stated;
+        if (light.layer >= 0) {
+            int layer = shadow_layer(light, p);
+            s = thickness_stated(stated, thickness(light, layer, shadow_place(layer, sunk), p));
+        }
         vec3 through = vec3(0.);
         for (int k = 0; k < GAUSSIANS; ++k) {
             vec4 g = kernel.entry[FIRST + k];

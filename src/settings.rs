@@ -49,16 +49,17 @@ pub enum SeparableKernel {
     Authors,
 }
 
-/// Whether light that enters on the far side of a thin part leaves on the near one, for `separable` and `texture-space`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
+/// Whether light that enters on the far side of a thin part leaves on the near one, for `separable`, `texture-space`, `pdss`
+/// and `wrap`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Transmittance {
     /// By the thickness that the shadow map measures, as the authors' code does. `separable`: exp(-s^2/v), from .3 before the
     /// terminator on (Jimenez et al. 2010); `texture-space`: light blurred where it enters, times exp(-s^2/2v), added
     /// (d'Eon & Luebke 2007).
     Authors,
-    /// Exact for a slab lit from behind: exp(-s^2/2v), from the terminator on; `texture-space` divides by what both sides weigh.
-    #[default]
+    /// Exact for a slab lit from behind: exp(-s^2/2v), from the terminator on; all but `separable` divide by what both sides weigh.
+    /// `pdss` and `wrap` know but this one.
     Slab,
     /// Not.
     Off,
@@ -251,9 +252,10 @@ pub struct Settings {
     /// Kernel of `separable`.
     #[arg(long, value_enum, default_value_t)]
     pub separable_kernel: SeparableKernel,
-    /// Light through thin parts, for `separable`.
-    #[arg(long, value_enum, default_value_t)]
-    pub transmittance: Transmittance,
+    /// Light through thin parts. Default: slab for separable and texture-space; off for pdss and wrap, whose integral over a
+    /// sphere holds the light that passes through it already.
+    #[arg(long, value_enum)]
+    pub transmittance: Option<Transmittance>,
     /// What the picture shows.
     #[arg(long, value_enum, default_value_t)]
     pub view: View,
@@ -311,6 +313,14 @@ pub struct Ambient {
 }
 
 impl Settings {
+    /// How light passes through thin parts.
+    pub fn through(&self) -> Transmittance {
+        self.transmittance.unwrap_or(match self.method {
+            Method::Separable | Method::TextureSpace => Transmittance::Slab,
+            _ => Transmittance::Off,
+        })
+    }
+
     /// Whether this runs although the scene may not need it.
     pub fn brings_back(&self, what: Spared) -> bool {
         self.no_elide.iter().any(|x| *x == what || *x == Spared::All)
@@ -330,7 +340,7 @@ impl Default for Settings {
             integral: Integral::default(),
             texturing: Texturing::default(),
             separable_kernel: SeparableKernel::default(),
-            transmittance: Transmittance::default(),
+            transmittance: None,
             view: View::default(),
             tone_map: ToneMap::default(),
             exposure: 0.,

@@ -163,7 +163,7 @@ fn combinations() -> BTreeMap<String, Set> {
         add("8 bit".into(), ldr);
         let mut before = torus(method, View::Final, "one");
         before.settings.texturing = Texturing::PrePost;
-        before.settings.transmittance = Transmittance::Off;
+        before.settings.transmittance = Some(Transmittance::Off);
         before.settings.separable_kernel = SeparableKernel::Authors;
         add("pre and post".into(), before);
         let mut bare = torus(method, View::Final, "two");

@@ -11,6 +11,12 @@ int shadow_layer(Light light, vec3 position) {
     return light.layer + (point ? shadow_face(mat3(frame.world_from_view) * (position - light.position)) : 0);
 }
 
+// The same where a file says how thick the body is, mm, 0 where it does not: as it says; but what lies in front beyond twice that is
+// another body, and in the way.
+float thickness_stated(float stated, float measured) {
+    return stated > 0. ? max(stated, measured - stated) : measured;
+}
+
 // Thickness in mm along the light, bilinear; 0 where nothing lies in front. q: the point's place in that layer.
 float thickness(Light light, int layer, vec4 q, vec3 position) {
     bool parallel = ALL_DIRECTIONAL || light.kind == LIGHT_DIRECTIONAL;

@@ -7,7 +7,7 @@ use super::uniforms::{MAX_LIGHTS, MAX_PROFILES};
 use super::{FrameError, Inputs};
 use crate::methods::{self, texture_space};
 use crate::scene::{Alpha, Atlas, Camera, Filled, Light, LightKind, Projection, gutter};
-use crate::settings::{Method, Quality, Settings, Spared, Texturing, ToneMap, View};
+use crate::settings::{Method, Quality, Settings, Spared, Texturing, ToneMap, Transmittance, View};
 use crate::skin::profile::Profile;
 use crate::skin::specular::Lobes;
 use ash::vk;
@@ -254,6 +254,11 @@ impl Setup {
             View::Final => Overlay::new(scene, &inputs.camera),
             _ => Overlay::default(),
         };
+        let through = scatters
+            && is_lit(settings.view)
+            && settings.view != View::Irradiance
+            && settings.through() != Transmittance::Off
+            && matches!(settings.method, Method::Pdss | Method::Wrap | Method::Separable | Method::TextureSpace);
         let has_uvs = !scene.uvs.is_empty();
         let uvs = (back(Spared::TextureCoordinates) || used(&|m| m.is_textured()) || atlas.is_some()) && has_uvs;
         Ok(Setup {
@@ -270,7 +275,7 @@ impl Setup {
             coated: settings.view == View::Final && used(&|m| m.is_coated()),
             masked: scatters
                 && used(&|m| m.scatter.is_some() && (m.scatter_mask < 1. || m.scatter_mask_texture.is_some())),
-            thickest_mm: 0.,
+            thickest_mm: if through { thickest(scene) } else { 0. },
             overlay,
             has_uvs,
             base_maps: used(&|m| m.base_color_texture.is_some()),
@@ -323,7 +328,10 @@ impl Setup {
         if self.coated {
             pass.bind("smooth_normal", "normal");
         } else {
-            pass.absent("smooth_normal").absent("coat");
+            pass.absent("smooth_normal");
+            if self.thickest_mm == 0. {
+                pass.absent("coat");
+            }
         }
     }
 
@@ -438,6 +446,12 @@ impl ViewFacts {
             magnification: Magnification { nearest: at(nearest), middle: at(middle.max(nearest)) },
         }
     }
+}
+
+/// The thickest that a drawn material that scatters says it is, mm.
+fn thickest(scene: &crate::scene::Scene) -> f32 {
+    let drawn = scene.draws.iter().filter_map(|d| scene.materials.get(d.material));
+    drawn.filter(|m| m.scatter.is_some()).map(|m| m.thickness_mm).fold(0., f32::max)
 }
 
 /// What a material that is drawn with an alpha test covers at least.

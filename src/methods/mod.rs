@@ -15,7 +15,7 @@ use crate::frame::resources::external;
 use crate::frame::setup::Setup;
 use crate::plan::{Plan, PlanError};
 use crate::settings::{Method, Settings, View};
-use crate::skin::profile::Profile;
+use crate::skin::profile::{Gaussian, Profile};
 use crate::stages;
 
 /// Plans the frame of a method, and the view asked for: of each profile that scatters, one after the other. What they share
@@ -82,12 +82,20 @@ fn frame(plan: &mut Plan, s: &Setup) {
 /// method works over texture coordinates.
 pub fn kernel(settings: &Settings, profile: &Profile, least_sigma_mm: f64, texel_mm: f64) -> Vec<[f64; 4]> {
     match settings.method {
-        Method::Lambert | Method::Pdss | Method::Moments => Vec::new(),
+        Method::Lambert | Method::Moments => Vec::new(),
+        Method::Pdss => behind(profile),
         Method::Preintegrated => preintegrated::kernel(profile),
         Method::TextureSpace => texture_space::kernel(settings, profile, least_sigma_mm, texel_mm),
         Method::Gaussians => gaussians::kernel(settings.quality, profile, least_sigma_mm),
         Method::Separable => separable::kernel(settings, profile),
         Method::Burley => burley::kernel(profile),
-        Method::Wrap => wrap::kernel(profile),
+        Method::Wrap => [wrap::kernel(profile), behind(profile)].concat(),
     }
+}
+
+/// The Gaussians through which light comes from behind: weight, variance in mm^2.
+fn behind(profile: &Profile) -> Vec<[f64; 4]> {
+    let all = profile.gaussians().gaussians.into_iter();
+    let rows = all.map(|Gaussian { weight: [r, g, b], variance }| [r, g, b, variance]);
+    rows.collect()
 }

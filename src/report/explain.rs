@@ -38,7 +38,7 @@ pub struct Explanation {
 }
 
 /// What every deferred frame has, whatever it does with light.
-const GBUFFER: [&str; 6] = ["depth", "viewz", "normal", "bumped", "albedo", "material"];
+const GBUFFER: [&str; 7] = ["depth", "viewz", "normal", "bumped", "albedo", "material", "coat"];
 
 /// A profile as the frame uses it.
 #[derive(Clone, Debug, Serialize)]

@@ -12,7 +12,7 @@ use ash::vk;
 pub fn wanted(s: &Setup) -> bool {
     s.lit_view()
         && s.settings.view != View::Irradiance
-        && s.settings.transmittance != Transmittance::Off
+        && s.settings.through() != Transmittance::Off
         && !s.shadows.matrices.is_empty()
         && s.kernel.len() > 1
 }

@@ -24,7 +24,11 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         .constant("LEVELS", levels as u32)
         .constant("SHEET_BORDER", s.border.to_bits());
     if through {
-        pass.constant("SLAB", u32::from(s.settings.transmittance == Transmittance::Slab));
+        pass.constant("SLAB", u32::from(s.settings.through() == Transmittance::Slab));
+        pass.constant("THICKEST", s.thickest_mm.to_bits());
+        if s.thickest_mm == 0. {
+            pass.absent("coat");
+        }
         s.specialise_lights(pass);
     }
     for name in SHEETS.into_iter().skip(levels) {

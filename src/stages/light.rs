@@ -1,11 +1,11 @@
 //! light: G-buffer, blurred levels, table, shadow -> ldr or exr. The only stage that knows a
 //! method from another. Tone mapping reads its own pixel alone, so it is part of this dispatch.
 
-use super::tiles;
+use super::{tiles, transmittance};
 use crate::frame::setup::Setup;
 use crate::frame::uniforms::MAX_LEVELS;
 use crate::plan::Plan;
-use crate::settings::Method;
+use crate::settings::{Method, View};
 use crate::shaders;
 
 const STRIDES: [&str; MAX_LEVELS] = ["STRIDE0", "STRIDE1", "STRIDE2", "STRIDE3", "STRIDE4", "STRIDE5"];
@@ -25,6 +25,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         _ => &shaders::LIGHT_LAMBERT,
     };
     let levels = s.levels.levels.len();
+    let gaussians = gaussians(plan, s, method);
     tiles::background(plan, s);
     let pass = plan
         .compute("light", shader, tiles::surface())
@@ -40,6 +41,9 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         .constant("STRIDED", u32::from(s.levels.levels.iter().any(|l| l.stride > 1)))
         .bind("normal", s.shading_normal())
         .bind("picture", s.picture());
+    if matches!(method, Method::Pdss | Method::Wrap) {
+        pass.constant("GAUSSIANS", gaussians).constant("THICKEST", s.thickest_mm.to_bits());
+    }
     if method == Method::Moments {
         pass.constant("MASS", u32::from(s.mass)).constant("FIRST", s.levels.first_gathered());
         if !s.mass {
@@ -62,7 +66,19 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     if s.shadows.slots == 0 {
         pass.absent("lit");
     }
-    if !s.shadows.look_up() {
+    if s.shadows.matrices.is_empty() || !(s.shadows.look_up() || gaussians > 0) {
         pass.bind("shadow", "no shadow");
     }
+}
+
+/// How many of the profile's Gaussians let light through from behind; `moments` finds that light in the light's own view.
+fn gaussians(plan: &mut Plan, s: &Setup, method: Method) -> u32 {
+    if !matches!(method, Method::Pdss | Method::Wrap) || s.settings.view == View::Irradiance {
+        return 0;
+    }
+    if let Err(why) = transmittance::measures(s) {
+        plan.leave_out("transmittance", why, 0);
+        return 0;
+    }
+    s.kernel.len() as u32 - u32::from(method == Method::Wrap)
 }

@@ -37,7 +37,7 @@ fn set(method: Method, view: View, halves: [Option<usize>; 2]) -> Set {
     let mut set = Set::new("shape:sphere:20", 110., settings(method, view, SIZE));
     set.scene = Arc::new(sphere(halves));
     set.lights = vec![Light::directional(70., 25., 1.), Light::directional(-60., 10., 0.3)];
-    (set.settings.quality, set.settings.transmittance) = (Quality::High, Transmittance::Slab);
+    (set.settings.quality, set.settings.transmittance) = (Quality::High, Some(Transmittance::Slab));
     // One profile has its hidden light from the shadow map; several have not.
     set.settings.no_translucent = true;
     set
