@@ -25,6 +25,23 @@ fn by_light(nv: f64, roughness: f64, f0: f64) -> f64 {
     sum * (PI / 2. / N as f64) * (2. * PI / N as f64)
 }
 
+/// The same of hair (Estevez & Kulla 2017): a lobe of (sin)^power, smoothly masked (Ashikhmin & Premoze 2007). Power 2 is fuzz.
+fn hair_by_light(nv: f64, power: f64) -> f64 {
+    const N: usize = 500;
+    let across = (1. - nv * nv).sqrt();
+    let mut sum = 0.;
+    for i in 0..N * N {
+        let theta = ((i / N) as f64 + 0.5) / N as f64 * PI / 2.;
+        let phi = ((i % N) as f64 + 0.5) / N as f64 * PI;
+        let (s, nl) = theta.sin_cos();
+        let h = [s * phi.cos() + across, s * phi.sin(), nl + nv];
+        let nh2 = h[2] * h[2] / (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
+        let d = (2. + power) * (1. - nh2).powf(power / 2.) / (2. * PI);
+        sum += d / (4. * (nl + nv - nl * nv)) * nl * s;
+    }
+    sum * (PI / 2. / N as f64) * (2. * PI / N as f64)
+}
+
 #[test]
 fn the_split_sum_is_the_lobes_own_integral() {
     let (mut off, mut wrong) = (0f64, 0f64);
@@ -81,24 +98,10 @@ fn two_lobes_take_what_both_reflect() {
 
 #[test]
 fn hair_reflects_what_its_fit_says() {
-    const N: usize = 300;
-    let by_light = |nv: f64| {
-        let across = (1. - nv * nv).sqrt();
-        let mut sum = 0.;
-        for i in 0..N * N {
-            let theta = ((i / N) as f64 + 0.5) / N as f64 * PI / 2.;
-            let phi = ((i % N) as f64 + 0.5) / N as f64 * PI;
-            let (s, nl) = theta.sin_cos();
-            let h = [s * phi.cos() + across, s * phi.sin(), nl + nv];
-            let nh2 = h[2] * h[2] / (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
-            sum += 2. / PI * (1. - nh2) / (4. * (nl + nv - nl * nv)) * nl * s;
-        }
-        sum * (PI / 2. / N as f64) * (2. * PI / N as f64)
-    };
     let (mut off, mut straight) = (0f64, 0f64);
     for i in 0..=20 {
         let nv = (f64::from(i) / 20.).max(5e-3);
-        let want = by_light(nv);
+        let want = hair_by_light(nv, 2.);
         off = off.max((fuzz_albedo(nv) - want).abs());
         straight = straight.max((0.73 + nv * (0.083 - 0.73) - want).abs());
     }
@@ -108,25 +111,10 @@ fn hair_reflects_what_its_fit_says() {
 
 #[test]
 fn sheen_reflects_its_own_integral_and_layers_take_what_they_reflect() {
-    const N: usize = 500;
-    let by_light = |nv: f64, power: f64| {
-        let across = (1. - nv * nv).sqrt();
-        let mut sum = 0.;
-        for i in 0..N * N {
-            let theta = ((i / N) as f64 + 0.5) / N as f64 * PI / 2.;
-            let phi = ((i % N) as f64 + 0.5) / N as f64 * PI;
-            let (s, nl) = theta.sin_cos();
-            let h = [s * phi.cos() + across, s * phi.sin(), nl + nv];
-            let nh2 = h[2] * h[2] / (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
-            let d = (2. + power) * (1. - nh2).powf(power / 2.) / (2. * PI);
-            sum += d / (4. * (nl + nv - nl * nv)) * nl * s;
-        }
-        sum * (PI / 2. / N as f64) * (2. * PI / N as f64)
-    };
     let (mut off, mut wrong) = (0f64, 0f64);
     for roughness in [0.3, 0.5, 0.7, 1.] {
         for nv in [0.1, 0.3, 0.6, 1.] {
-            let want = by_light(nv, 1. / (roughness * roughness));
+            let want = hair_by_light(nv, 1. / (roughness * roughness));
             off = off.max((sheen_albedo(nv, roughness) - want).abs());
             wrong = wrong.max((sheen_albedo(nv, roughness.sqrt()) - want).abs());
         }

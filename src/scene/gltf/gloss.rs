@@ -1,7 +1,7 @@
 //! What a file says of a surface's gloss beside roughness: KHR_materials_specular, KHR_materials_clearcoat, KHR_materials_sheen.
 
 use super::json::At;
-use super::materials::{Slot, SlotUse, read_slot, unit, within};
+use super::materials::{Slot, SlotUse, take_seen, unit, within};
 use crate::scene::error::Fault;
 use crate::scene::material::{Coat, Material, Sheen, Specular};
 
@@ -13,11 +13,7 @@ pub(super) fn read(
     textures: usize,
     odd: &mut Vec<String>,
 ) -> Result<(), Fault> {
-    // A texture that multiplies nothing is checked, and not read.
-    let mut take = |of: &At, key: &str, slot: Slot, seen: bool| {
-        let found = read_slot(of, key, slot, "", textures);
-        found.map(|found| slots.extend(found.filter(|_| seen)))
-    };
+    let mut take = |of: &At, key, slot, seen| take_seen(slots, of, key, slot, textures, seen);
     if let Some(of) = at.extension("KHR_materials_specular")? {
         let factor = unit(&of, "specularFactor", 1.0, odd)?;
         let color = of.numbers::<3>("specularColorFactor")?.unwrap_or([1.0; 3]);

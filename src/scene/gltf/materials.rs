@@ -152,9 +152,7 @@ fn read_material(at: &At, index: usize, textures: usize, mm_per_unit: f64) -> Re
     };
     let emission = at.numbers::<3>("emissiveFactor")?.unwrap_or([0.0; 3]);
     material.emission = emission.map(|e| strength * within(at, "emissiveFactor", e, 0.0, 1.0, odd));
-    // Checked where it is not seen, too: a reference that leads nowhere is a fault of the file.
-    let glow = read_slot(at, "emissiveTexture", Slot::Emission, "", textures)?;
-    slots.extend(glow.filter(|_| material.emission != [0.0; 3]));
+    take_seen(&mut slots, at, "emissiveTexture", Slot::Emission, textures, material.emission != [0.0; 3])?;
     Ok(MaterialSource { odd: std::mem::take(odd), ..agree_on_uvs(material, slots) })
 }
 
@@ -198,13 +196,22 @@ pub(super) fn within(of: &At, key: &str, value: f64, least: f64, most: f64, odd:
     taken as f32
 }
 
-pub(super) fn read_slot(
+/// Takes a texture for its slot where it multiplies something. It is checked where it does not, too: a reference that leads
+/// nowhere is a fault of the file.
+pub(super) fn take_seen(
+    slots: &mut Vec<SlotUse>,
     of: &At,
     key: &str,
     slot: Slot,
-    factor: &str,
     textures: usize,
-) -> Result<Option<SlotUse>, Fault> {
+    seen: bool,
+) -> Result<(), Fault> {
+    let found = read_slot(of, key, slot, "", textures)?;
+    slots.extend(found.filter(|_| seen));
+    Ok(())
+}
+
+fn read_slot(of: &At, key: &str, slot: Slot, factor: &str, textures: usize) -> Result<Option<SlotUse>, Fault> {
     let Some(at) = of.object(key)? else {
         return Ok(None);
     };

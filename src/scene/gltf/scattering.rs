@@ -2,7 +2,7 @@
 //! colour), KHR_materials_scatter, or KHR_materials_diffuse_transmission.
 
 use super::json::At;
-use super::materials::{Slot, SlotUse, read_slot, unit, within};
+use super::materials::{Slot, SlotUse, take_seen, unit, within};
 use crate::scene::error::Fault;
 use crate::scene::material::{Material, Scattering};
 
@@ -68,10 +68,7 @@ pub(super) fn read_inside(
     textures: usize,
     odd: &mut Vec<String>,
 ) -> Result<(), Fault> {
-    let mut take = |of: &At, key: &str, slot: Slot, seen: bool| {
-        let found = read_slot(of, key, slot, "", textures);
-        found.map(|found| slots.extend(found.filter(|_| seen)))
-    };
+    let mut take = |of: &At, key, slot, seen| take_seen(slots, of, key, slot, textures, seen);
     if let Some(of) = at.extension("KHR_materials_diffuse_transmission")? {
         material.scatter_mask = unit(&of, "diffuseTransmissionFactor", 0.0, odd)?;
         take(&of, "diffuseTransmissionTexture", Slot::ScatterMask, material.scatter_mask > 0.0)?;
