@@ -13,6 +13,7 @@ pub mod shadows;
 mod table;
 pub mod uniforms;
 mod upload;
+pub mod view;
 
 mod record;
 

@@ -1,17 +1,17 @@
 //! What a frame needs, found out from scene, camera, lights, profile and settings before anything is planned.
 
-use super::levels::{LEAST_SIGMA_PX, Levels, Magnification};
+use super::levels::{LEAST_SIGMA_PX, Levels};
 use super::overlay::Overlay;
 use super::shadows::Shadows;
 use super::uniforms::{MAX_LIGHTS, MAX_PROFILES};
+use super::view::ViewFacts;
 use super::{FrameError, Inputs};
 use crate::methods::{self, texture_space};
-use crate::scene::{Alpha, Atlas, Camera, Filled, Light, LightKind, Projection, gutter};
+use crate::scene::{Alpha, Atlas, Filled, Light, LightKind, gutter};
 use crate::settings::{Method, Quality, Settings, Spared, Texturing, ToneMap, Transmittance, View};
 use crate::skin::profile::Profile;
 use crate::skin::specular::Lobes;
 use ash::vk;
-use glam::Vec3;
 
 /// What becomes of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,21 +105,6 @@ pub struct Setup {
     pub all_directional: bool,
     /// Projection facts.
     pub view: ViewFacts,
-}
-
-/// The camera as screen stages see it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ViewFacts {
-    /// View x, y per pixel at unit distance, or in mm for a parallel projection.
-    pub ray_scale: [f64; 2],
-    /// So that ray = scale * (pixel + 1/2) + offset.
-    pub ray_offset: [f64; 2],
-    /// 1 perspective, 0 parallel.
-    pub perspective: f32,
-    /// Pixels per mm at unit distance.
-    pub pixels_per_mm: f64,
-    /// Pixels per mm where the scene is.
-    pub magnification: Magnification,
 }
 
 impl Setup {
@@ -419,33 +404,6 @@ fn gather_taps(settings: &Settings) -> u32 {
 
 fn is_lit(view: View) -> bool {
     matches!(view, View::Final | View::Scatter | View::Irradiance | View::Ao)
-}
-
-impl ViewFacts {
-    /// The facts of a camera over a box of the scene, mm.
-    pub(crate) fn new(camera: &Camera, size: [u32; 2], min: Vec3, max: Vec3) -> Self {
-        let [w, h] = size.map(f64::from);
-        let (half_height, perspective) = match camera.projection {
-            Projection::Perspective { fov_y } => ((f64::from(fov_y) / 2.).tan(), 1.),
-            Projection::Orthographic { height_mm } => (f64::from(height_mm) / 2., 0.),
-        };
-        let pixels_per_mm = h / (2. * half_height);
-        let distances = (0..8).map(|i| {
-            let corner = Vec3::select(glam::BVec3::new(i & 1 > 0, i & 2 > 0, i & 4 > 0), max, min);
-            f64::from((corner - camera.eye).dot(camera.forward))
-        });
-        let middle = f64::from(((min + max) / 2. - camera.eye).dot(camera.forward));
-        let nearest = distances.fold(f64::INFINITY, f64::min).max(f64::from(camera.near_mm)).max(middle * 1e-3);
-        let at = |d: f64| if perspective > 0. { pixels_per_mm / d.max(f64::MIN_POSITIVE) } else { pixels_per_mm };
-        ViewFacts {
-            // Square pixels: the vertical field of view sets both.
-            ray_scale: [2. * half_height / h, -2. * half_height / h],
-            ray_offset: [-half_height * w / h, half_height],
-            perspective,
-            pixels_per_mm,
-            magnification: Magnification { nearest: at(nearest), middle: at(middle.max(nearest)) },
-        }
-    }
 }
 
 /// The thickest that a drawn material that scatters says it is, mm.

@@ -2,7 +2,7 @@
 
 use super::TruthError;
 use super::surface::{Place, Surface};
-use crate::frame::setup::ViewFacts;
+use crate::frame::view::ViewFacts;
 use crate::scene::{Camera, Projection, Scene};
 use glam::DVec3;
 use rayon::prelude::*;

@@ -26,7 +26,7 @@ pub use eye::Window;
 pub use state::Checkpoint;
 
 use crate::frame::Inputs;
-use crate::frame::setup::ViewFacts;
+use crate::frame::view::ViewFacts;
 use crate::report::picture::PictureError;
 use crate::scene::{Alpha, Projection};
 use crate::skin::profile::Profile;

@@ -1,7 +1,7 @@
 //! The scene as a surface that rays meet: triangles in f64 behind a hierarchy of f32 boxes.
 
 use super::bump;
-use crate::frame::setup::ViewFacts;
+use crate::frame::view::ViewFacts;
 use crate::scene::{Camera, Mips, Projection, Scene};
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
