@@ -11,6 +11,8 @@ mod cameras;
 mod check;
 #[path = "scene/collection.rs"]
 mod collection;
+#[path = "scene/compressed.rs"]
+mod compressed;
 #[path = "scene/fixture.rs"]
 mod fixture;
 #[path = "scene/geometry.rs"]

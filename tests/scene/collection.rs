@@ -50,7 +50,7 @@ fn all_valid_models_load() {
                     faults.push(format!("{short}: not so: {fault}"));
                 }
             }
-            // Nobody can draw these: compression, another format's textures, or text without its buffers.
+            // Nobody can draw these: another format's surfaces, a later version, or text without its buffers.
             Err(e) => {
                 refused += 1;
                 let line = e.to_string();

@@ -38,8 +38,8 @@ fn lies_are_refused_by_place() {
         ("/asset/version", json!("1.0"), "asset.version: '1.0' is not supported"),
         (
             "/extensionsRequired",
-            json!(["KHR_draco_mesh_compression"]),
-            "extensionsRequired: KHR_draco_mesh_compression not supported",
+            json!(["EXT_mesh_gpu_instancing"]),
+            "extensionsRequired: EXT_mesh_gpu_instancing not supported",
         ),
         ("/meshes/0/primitives/0/mode", json!(9), "meshes[0].primitives[0].mode: there is no mode 9"),
     ];

@@ -2,11 +2,13 @@
 //! is read; elements are then read one at a time, so nothing is allocated for what a header claims.
 
 use std::cmp::Ordering;
+use std::collections::HashMap;
 
 use super::json::At;
 use crate::scene::error::Fault;
 
 /// Memory that may still be filled from a file, so that a small file cannot ask for a large scene by repetition.
+#[derive(Clone)]
 pub(super) struct Budget {
     left: u64,
     total: u64,
@@ -43,26 +45,34 @@ pub(super) struct View<'a> {
     pub stride: Option<usize>,
 }
 
-/// All buffer views, inside their buffers.
-pub(super) fn read_views<'a>(root: &At, buffers: &'a [Vec<u8>]) -> Result<Vec<View<'a>>, Fault> {
-    let read = |view: &At| {
-        let buffer = view.index("buffer", buffers.len(), "buffers")?;
-        let buffer = &buffers[view.required(buffer, "buffer")?];
-        let offset = view.uint("byteOffset")?.unwrap_or(0);
-        let length = view.required(view.uint("byteLength")?, "byteLength")?;
-        let end = offset.checked_add(length).filter(|&end| end <= buffer.len() as u64);
-        let Some(end) = end else {
-            return Err(Fault::new(
-                view.path(),
-                format!("bytes {offset} + {length} reach past the buffer's {}", buffer.len()),
-            ));
+/// All buffer views, inside their buffers, or as they were unpacked.
+pub(super) fn read_views<'a>(
+    root: &At,
+    buffers: &'a [Vec<u8>],
+    unpacked: &'a [Option<Vec<u8>>],
+) -> Result<Vec<View<'a>>, Fault> {
+    let read = |(view, unpacked): (&At, &'a Option<Vec<u8>>)| {
+        let bytes = match unpacked {
+            Some(unpacked) => unpacked,
+            None => bytes_of(view, buffers)?,
         };
-        Ok(View {
-            bytes: &buffer[offset as usize..end as usize],
-            stride: view.uint("byteStride")?.map(|stride| stride as usize),
-        })
+        Ok(View { bytes, stride: view.uint("byteStride")?.map(|stride| stride as usize) })
     };
-    root.list("bufferViews")?.iter().map(read).collect()
+    root.list("bufferViews")?.iter().zip(unpacked).map(read).collect()
+}
+
+/// The stretch of a buffer that an object names.
+pub(super) fn bytes_of<'a>(at: &At, buffers: &'a [Vec<u8>]) -> Result<&'a [u8], Fault> {
+    let buffer = at.index("buffer", buffers.len(), "buffers")?;
+    let buffer = &buffers[at.required(buffer, "buffer")?];
+    let offset = at.uint("byteOffset")?.unwrap_or(0);
+    let length = at.required(at.uint("byteLength")?, "byteLength")?;
+    match offset.checked_add(length).filter(|&end| end <= buffer.len() as u64) {
+        Some(end) => Ok(&buffer[offset as usize..end as usize]),
+        None => {
+            Err(Fault::new(at.path(), format!("bytes {offset} + {length} reach past the buffer's {}", buffer.len())))
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,7 +98,7 @@ impl Component {
         })
     }
 
-    fn size(self) -> usize {
+    pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
@@ -196,14 +206,19 @@ pub(super) struct Accessor<'a> {
     sparse: Option<Sparse<'a>>,
 }
 
-/// All accessors of a file.
-pub(super) fn read_accessors<'a>(root: &At, views: &[View<'a>]) -> Result<Vec<Accessor<'a>>, Fault> {
+/// All accessors of a file; `filled` are those whose bytes stand in no view.
+pub(super) fn read_accessors<'a>(
+    root: &At,
+    views: &[View<'a>],
+    filled: &'a HashMap<usize, Vec<u8>>,
+) -> Result<Vec<Accessor<'a>>, Fault> {
     let list = root.list("accessors")?;
-    list.iter().map(|at| Accessor::read(at, views)).collect()
+    let read = |(index, at)| Accessor::read(at, views, filled.get(&index).map(Vec::as_slice));
+    list.iter().enumerate().map(read).collect()
 }
 
 impl<'a> Accessor<'a> {
-    fn read(at: &At, views: &[View<'a>]) -> Result<Self, Fault> {
+    fn read(at: &At, views: &[View<'a>], filled: Option<&'a [u8]>) -> Result<Self, Fault> {
         let component = read_component(at)?;
         let kind = at.required(at.text("type")?, "type")?;
         let (rows, columns) = match kind {
@@ -230,6 +245,10 @@ impl<'a> Accessor<'a> {
             }
         }
         let base = match at.index("bufferView", views.len(), "bufferViews")? {
+            _ if filled.is_some() => {
+                let whole = View { bytes: filled.unwrap_or_default(), stride: None };
+                Some(Stripe::new(at, whole, 0, size, count)?)
+            }
             Some(view) => {
                 let offset = at.uint("byteOffset")?.unwrap_or(0);
                 Some(Stripe::new(at, views[view], offset, size, count)?)
@@ -308,7 +327,7 @@ impl<'a> Accessor<'a> {
     }
 }
 
-fn read_component(at: &At) -> Result<Component, Fault> {
+pub(super) fn read_component(at: &At) -> Result<Component, Fault> {
     let code = at.required(at.uint("componentType")?, "componentType")?;
     Component::from_code(code).ok_or_else(|| {
         Fault::new(at.place("componentType"), format!("there is no type {code}; 5120..5123, 5125 and 5126 are"))

@@ -5,6 +5,7 @@ use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
 use super::json::At;
+use super::meshopt;
 use crate::scene::error::Fault;
 
 const GLB_MAGIC: &[u8] = b"glTF";
@@ -63,11 +64,16 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
     }
 }
 
-/// The bytes of every buffer, each exactly as long as it says.
+/// The bytes of every buffer, each exactly as long as it says; none of one that stands in for what others unpack to.
 pub(super) fn read_buffers(root: &At, bin: Option<&[u8]>, folder: &Path) -> Result<Vec<Vec<u8>>, Fault> {
     let mut buffers = Vec::new();
+    let stand_ins = meshopt::stand_ins(root)?;
     for (index, buffer) in root.list("buffers")?.iter().enumerate() {
         let length = buffer.required(buffer.uint("byteLength")?, "byteLength")? as usize;
+        if stand_ins[index] {
+            buffers.push(Vec::new());
+            continue;
+        }
         let bytes = match (buffer.text("uri")?, bin) {
             (Some(uri), _) => {
                 read_uri(uri, folder, Some(length as u64)).map_err(|reason| Fault::new(buffer.place("uri"), reason))?

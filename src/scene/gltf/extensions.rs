@@ -4,8 +4,10 @@ use super::json::At;
 use crate::scene::error::Fault;
 
 /// Read and obeyed.
-const SUPPORTED: [&str; 15] = [
+const SUPPORTED: [&str; 19] = [
+    "EXT_meshopt_compression",
     "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_clearcoat",
     "KHR_materials_diffuse_transmission",
@@ -19,6 +21,8 @@ const SUPPORTED: [&str; 15] = [
     "KHR_materials_volume",
     "KHR_materials_volume_scatter",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
 ];
 /// Carry nothing that a still picture shows.

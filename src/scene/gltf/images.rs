@@ -8,13 +8,14 @@ use image::{ImageReader, Limits, RgbaImage};
 use rayon::prelude::*;
 
 use super::accessor::{Budget, View};
+use super::basis;
 use super::container::{decode_base64, read_uri};
 use super::json::At;
 use crate::scene::error::Fault;
 use crate::scene::material::{Filter, Texture, Wrap};
 
 /// Longest side of an image.
-const MAX_SIDE: u32 = 32_768;
+pub(super) const MAX_SIDE: u32 = 32_768;
 /// What decoding may allocate besides 16 times the encoded bytes.
 const MEMORY_FLOOR: u64 = 256 << 20;
 
@@ -33,11 +34,13 @@ pub(super) fn read_textures(root: &At) -> Result<Vec<TextureSource>, Fault> {
     let images = root.list("images")?;
     let mut textures = Vec::new();
     for (index, at) in root.list("textures")?.iter().enumerate() {
-        let webp = match at.extension("EXT_texture_webp")? {
-            Some(webp) => webp.index("source", images.len(), "images")?,
-            None => None,
+        let other = |name: &str| match at.extension(name)? {
+            Some(of) => of.index("source", images.len(), "images"),
+            None => Ok(None),
         };
-        let image = webp.or(at.index("source", images.len(), "images")?);
+        // Basis Universal loses most, so anything that stands beside it comes first.
+        let [webp, basis] = ["EXT_texture_webp", "KHR_texture_basisu"].map(other);
+        let image = webp?.or(at.index("source", images.len(), "images")?).or(basis?);
         let sampler = at.index("sampler", samplers.len(), "samplers")?;
         let (wrap, filter) = match sampler {
             Some(sampler) => samplers[sampler],
@@ -116,18 +119,21 @@ fn decode(at: &At, bytes: &[u8]) -> Result<Decoded, Fault> {
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
-    limits.max_alloc = Some((bytes.len() as u64).saturating_mul(16) + MEMORY_FLOOR);
+    let most = (bytes.len() as u64).saturating_mul(16) + MEMORY_FLOOR;
+    limits.max_alloc = Some(most);
     let unknown = |kind: &str| {
         let place = at.path();
         Ok(Err(format!("{place}: {kind} cannot be decoded; its texture is left out")))
     };
+    if basis::is_ktx2(bytes) {
+        return basis::decode(at, bytes, most);
+    }
     let mut reader = match ImageReader::new(Cursor::new(bytes)).with_guessed_format() {
         Ok(reader) => reader,
         Err(e) => return Err(Fault::new(at.path(), e.to_string())),
     };
     let Some(format) = reader.format() else {
-        let is_ktx2 = bytes.starts_with(b"\xABKTX 20");
-        return unknown(if is_ktx2 { "KTX2" } else { "this kind of image" });
+        return unknown("this kind of image");
     };
     reader.limits(limits);
     match reader.decode() {

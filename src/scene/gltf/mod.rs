@@ -5,8 +5,10 @@
 mod accessor;
 mod animation;
 mod assemble;
+mod basis;
 mod container;
 mod deform;
+mod draco;
 mod extensions;
 mod gloss;
 mod images;
@@ -14,6 +16,7 @@ mod json;
 mod lights;
 mod materials;
 mod meshes;
+mod meshopt;
 mod nodes;
 mod scattering;
 
@@ -88,8 +91,10 @@ fn read(bytes: &[u8], settings: &Settings) -> Result<Scene, Fault> {
     let buffers = container::read_buffers(&root, bin, settings.folder)?;
     let input = bytes.len() as u64 + buffers.iter().map(|b| b.len() as u64).sum::<u64>();
     let mut budget = Budget::new(input.saturating_mul(16) + READ_FLOOR);
-    let views = accessor::read_views(&root, &buffers)?;
-    let accessors = accessor::read_accessors(&root, &views)?;
+    let unpacked = meshopt::unpack(&root, &buffers, &mut budget)?;
+    let views = accessor::read_views(&root, &buffers, &unpacked)?;
+    let filled = draco::unpack(&root, &views, &mut budget)?;
+    let accessors = accessor::read_accessors(&root, &views, &filled)?;
     let textures = images::read_textures(&root)?;
     let materials = materials::read_materials(&root, textures.len(), settings.mm_per_unit)?;
     let meshes = meshes::read_meshes(&root, &accessors, materials.len())?;
