@@ -137,10 +137,25 @@ impl Plan {
         let mut states: BTreeMap<String, State> = BTreeMap::new();
         for _ in 0..2 {
             let mut first_use: BTreeMap<String, bool> = BTreeMap::new();
+            let mut drawn: BTreeMap<String, Vec<u32>> = BTreeMap::new();
             for pass in &mut self.passes {
                 pass.barriers.clear();
+                let layer = match &pass.work {
+                    Work::Raster { depth: Some((_, layer, _)), .. } => *layer,
+                    _ => None,
+                };
                 for (name, usage) in &pass.accesses {
                     let image = self.targets.contains_key(name);
+                    // Each layer is another piece of memory: who draws one waits for nobody who has drawn others.
+                    let array = self.targets.get(name).is_some_and(|t| t.desc.array);
+                    if let Some(layer) = layer.filter(|_| array) {
+                        let before = drawn.entry(name.clone()).or_default();
+                        let apart = !before.is_empty() && !before.contains(&layer);
+                        before.push(layer);
+                        if apart {
+                            continue;
+                        }
+                    }
                     let known = states.get(name).copied().unwrap_or(State::NEW);
                     let mut state = known;
                     if image && !std::mem::replace(first_use.entry(name.clone()).or_insert(false), true) {
