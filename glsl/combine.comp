@@ -57,8 +57,10 @@ void main() {
         vec3 n = octahedral_decode(imageLoad(normal, pixel).x), smooth_n = n;
         if (COATED) smooth_n = octahedral_decode(imageLoad(smooth_normal, pixel).x);
         vec3 v = view_direction(view_position(pixel, abs(z)));
-        vec3 kept = (1. - m.g) * (1. - gloss_taken(gloss_of(base.a > 0., dot(n, v), m.r, m.g, f0, over, smooth_n, v)));
-        light = kept * (PRE && scatters ? base.rgb : color) * light / PI + frame.light_unit * imageLoad(reflected, pixel).rgb;
+        vec3 kept = vec3(1.);
+        if (SPECULAR) kept = (1. - m.g) * (1. - gloss_taken(gloss_of(base.a > 0., dot(n, v), m.r, m.g, f0, over, smooth_n, v)));
+        light = kept * (PRE && scatters ? base.rgb : color) * light / PI;
+        if (SPECULAR) light += frame.light_unit * imageLoad(reflected, pixel).rgb;
         light *= frame.exposure;
     }
     if (CURVE < 2) light = srgb(clamp(CURVE == 0 ? neutral(light) : light, 0., 1.));

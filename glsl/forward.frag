@@ -93,7 +93,7 @@ void main() {
     bool scatters = scatter > 0.;
     vec4 widths = kernel.entry[0];
     Gloss gloss;
-    if (OUTPUT == OUTPUT_FINAL) gloss = gloss_of(scatter != 0., dot(b, v), rm.x, rm.y, f0, over, n, v);
+    if (SPECULAR && OUTPUT == OUTPUT_FINAL) gloss = gloss_of(scatter != 0., dot(b, v), rm.x, rm.y, f0, over, n, v);
     mat3 bent = mat3(b, b, b);
     if (NORMAL_MAP && NORMALS > NORMALS_ONE) {
         bent[0] = filtered(widths.r, texels, own, n);
@@ -134,12 +134,15 @@ void main() {
         if (OUTPUT == OUTPUT_IRRADIANCE) exitance += unscattered;
         else if (MASKED && scatters && scatter < 1.) exitance += mix(unscattered, lit * shade * arriving, scatter);
         else exitance += lit * shade * arriving;
-        if (OUTPUT == OUTPUT_FINAL) reflected += gloss_light(gloss, b, v, l) * arriving * seen;
+        if (SPECULAR && OUTPUT == OUTPUT_FINAL) reflected += gloss_light(gloss, b, v, l) * arriving * seen;
     }
     vec3 radiance = exitance;
     if (OUTPUT == OUTPUT_FINAL) {
-        vec3 taken = gloss_taken(gloss), mirrored = gloss_albedo(gloss, dot(b, v));
-        vec3 kept = (1. - rm.y) * (1. - taken);
+        vec3 mirrored = vec3(0.), kept = vec3(1.);
+        if (SPECULAR) {
+            mirrored = gloss_albedo(gloss, dot(b, v));
+            kept = (1. - rm.y) * (1. - gloss_taken(gloss));
+        }
         radiance = kept * color * exitance / PI + reflected;
         if (AMBIENT) {
             vec3 up = frame.up;
@@ -151,7 +154,9 @@ void main() {
         if (SKY) {
             vec3 white = scatters ? sky_scattered(bent, vec3(curvature)) : sky_light(b);
             if (MASKED && scatters && scatter < 1.) white = mix(sky_light(b), white, scatter);
-            radiance += (kept * color * white + sky_reflected(gloss, b, v)) * occlusion;
+            vec3 light = kept * color * white;
+            if (SPECULAR) light += sky_reflected(gloss, b, v);
+            radiance += light * occlusion;
         }
         radiance *= frame.exposure;
     }

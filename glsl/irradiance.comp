@@ -43,7 +43,7 @@ void main() {
     vec4 base = FINAL ? imageLoad(albedo, pixel) : vec4(1.);
     vec4 m = FINAL ? imageLoad(material, pixel) : vec4(1., 0., 1., 0.);
     Gloss gloss;
-    if (FINAL) {
+    if (FINAL && SPECULAR) {
         Coat over = coat_none();
         vec3 smooth_n = n;
         if (COATED) {
@@ -60,17 +60,17 @@ void main() {
         vec3 l = light_arrives(light, p, arriving);
         if (SHADOWS && light.layer >= 0) arriving *= shadow_visibility(light, p, n, l, mat3(frame.world_from_view));
         diffuse += max(dot(n, l), 0.) * arriving;
-        if (FINAL) specular += gloss_light(gloss, n, v, l) * arriving;
+        if (FINAL && SPECULAR) specular += gloss_light(gloss, n, v, l) * arriving;
     }
     if (AMBIENT) {
         vec3 sky = (frame.ambient_mean + frame.ambient_slope * dot(n, frame.up)) * m.b;
         diffuse += PI * sky;
-        specular += gloss_albedo(gloss, dot(n, v)) * sky;
+        if (SPECULAR) specular += gloss_albedo(gloss, dot(n, v)) * sky;
     }
     if (SKY) {
         diffuse += PI * m.b * sky_light(n);
-        specular += m.b * sky_reflected(gloss, n, v);
+        if (SPECULAR) specular += m.b * sky_reflected(gloss, n, v);
     }
     imageStore(irradiance, pixel, light_encode((PRE && z < 0. ? diffuse * base.rgb : diffuse) / frame.light_unit));
-    if (FINAL) imageStore(reflected, pixel, light_encode(specular / frame.light_unit));
+    if (FINAL && SPECULAR) imageStore(reflected, pixel, light_encode(specular / frame.light_unit));
 }

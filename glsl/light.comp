@@ -36,7 +36,6 @@
 layout(constant_id = 0) const int OUTPUT = OUTPUT_FINAL;
 layout(constant_id = 1) const bool LOOK_UP = true;       // some light without a slot casts a shadow
 layout(constant_id = 2) const bool SLOTS = true;         // the lit target is there
-layout(constant_id = 3) const bool SPECULAR = true;
 layout(constant_id = 4) const bool AO = true;
 layout(constant_id = 5) const bool AMBIENT = true;
 layout(constant_id = 6) const int LEVELS = 0;

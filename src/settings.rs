@@ -2,6 +2,10 @@
 
 use clap::{Args, ValueEnum};
 
+mod spared;
+
+pub use spared::Spared;
+
 /// A whole way to shade.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -164,24 +168,6 @@ pub enum ToneMap {
     Neutral,
     /// None: clamp and encode as sRGB.
     Linear,
-}
-
-/// What can be run for nothing where a scene does not need it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Spared {
-    /// All of these.
-    All,
-    /// Tiles of 8 x 8 pixels that hold no surface, or none that scatters.
-    Tiles,
-    /// Curvature that neither the method nor ambient occlusion reads.
-    Curvature,
-    /// Ambient light of nothing.
-    Ambient,
-    /// Texture coordinates that no texture is looked up by.
-    TextureCoordinates,
-    /// Distance and cone of lights that are all directional.
-    Places,
 }
 
 /// What the picture shows.

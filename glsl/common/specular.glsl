@@ -9,6 +9,7 @@ layout(constant_id = 25) const float LOBE_SECOND = 1.;
 layout(constant_id = 26) const float LOBE_MIX = 0.;          // share of the second
 layout(constant_id = 27) const float FUZZ = 0.;              // sheen of fine hair over the profile's surfaces, 0..1
 layout(constant_id = 28) const bool COATED = false;          // some material has more than plain lobes
+layout(constant_id = 32) const bool SPECULAR = true;         // some material reflects light
 
 // Directional albedo of the lobe is F0 x + y (Karis 2013); axes: square root of n.v, roughness.
 layout(set = 0, binding = 26) uniform sampler2D gloss_table;

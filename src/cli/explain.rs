@@ -40,6 +40,12 @@ impl Explain {
         let [width, height] = stage.size();
         let mut words = Explanation::of(&plan, u64::from(width) * u64::from(height));
         words.profiles = stage.profiles.iter().map(ProfileWords::of).collect();
+        for (what, back) in words.left_out.iter().filter_map(|l| Some((l.what.clone(), l.back?))) {
+            let mut inputs = stage.inputs(None, Output::Ldr);
+            inputs.settings.no_elide.push(back);
+            let more = Renderer::plan_only(&inputs)?.bytes().0;
+            words.saved_bytes.insert(what, more.saturating_sub(plan.bytes().0));
+        }
         if let Some(rounds) = self.measure {
             words.saved_ms = self.saved(&stage, &words, rounds)?;
         }

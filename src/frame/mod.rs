@@ -10,6 +10,7 @@ mod overlay;
 pub mod resources;
 pub mod setup;
 pub mod shadows;
+mod specialise;
 mod table;
 pub mod uniforms;
 mod upload;
@@ -191,8 +192,10 @@ impl Renderer {
             coated: setup.coated,
             thickest_mm: setup.thickest_mm,
         };
-        let recorded = record::record(gpu, 0, inputs.timing, &world)?;
-        let rest = (plan.still > 0).then(|| record::record(gpu, plan.still, inputs.timing, &world)).transpose()?;
+        let idle = (setup.timed && gpu.info().timestamp_period > 0.).then(TimingMode::default);
+        let timing = inputs.timing.or(idle);
+        let recorded = record::record(gpu, 0, timing, &world)?;
+        let rest = (plan.still > 0).then(|| record::record(gpu, plan.still, timing, &world)).transpose()?;
         times.record_ms = milliseconds(start);
         Ok(Renderer {
             recorded,

@@ -71,14 +71,17 @@ pub struct World<'a> {
     pub thickest_mm: f32,
 }
 
-fn class(material: &Material, geometry: Geometry, pass: &Pass) -> ClassKey {
+fn class(material: &Material, geometry: Geometry, plan: &Plan, pass: &Pass) -> ClassKey {
     let over = geometry == Geometry::Overlay;
     let mut maps = material.maps().map(|m| m.is_some());
     maps[EMISSION] &= over;
+    // White where there is none.
+    WHITE.iter().for_each(|slot| maps[*slot] |= plan.textured && geometry == Geometry::Materials);
+    let tested = plan.cut_out && geometry == Geometry::Materials;
     ClassKey(Class {
         maps,
         second: material.second_uvs,
-        masked: alpha_cutoff(material.alpha).is_some(),
+        masked: tested || alpha_cutoff(material.alpha).is_some(),
         double_sided: material.double_sided,
         unlit: over && material.unlit,
         blended: over && material.alpha == Alpha::Blend,
@@ -112,6 +115,8 @@ fn drawn<'a>(
 
 /// Place of emission in [`MAPS`].
 const EMISSION: usize = 4;
+/// Places there of what white leaves alone: colour, roughness, occlusion.
+const WHITE: [usize; 3] = [0, 1, 3];
 /// No texture.
 const NONE: Maps = [None; MAPS.len()];
 
@@ -139,7 +144,7 @@ pub fn pipelines(
             }
             Work::Raster { geometry, .. } => {
                 for (_, material) in drawn(*geometry, pass.profile, draws, overlay) {
-                    let key = class(material, *geometry, pass);
+                    let key = class(material, *geometry, plan, pass);
                     if map.contains_key(&Some(key)) {
                         continue;
                     }
@@ -234,7 +239,7 @@ pub fn record(
                     Geometry::Depth => {}
                     Geometry::Materials | Geometry::Casters | Geometry::Unwrapped | Geometry::Overlay => {
                         for (draw, material) in drawn(*geometry, pass.profile, world.draws, world.overlay) {
-                            let pipeline = world.pipeline(index, Some(class(material, *geometry, pass)))?;
+                            let pipeline = world.pipeline(index, Some(class(material, *geometry, world.plan, pass)))?;
                             let push = material_push(material, world);
                             let of = profile(material, pass);
                             let find = |name: &str| world.find_of(pass, name, &material.maps(), of);

@@ -251,7 +251,9 @@ fn address(wrap: Wrap) -> vk::SamplerAddressMode {
 /// The most irradiance that comes from all around.
 fn most(inputs: &Inputs<'_>, sky: Option<&Sky>) -> f32 {
     match (sky, inputs.scene.environment.as_deref()) {
-        (Some(sky), Some(environment)) => environment::most_irradiance(&sky.bands.harmonics, environment.intensity),
+        (Some(sky), Some(environment)) if environment.intensity > 0. => {
+            environment::most_irradiance(&sky.bands.harmonics, environment.intensity)
+        }
         _ => of_ambient(&inputs.settings.ambient),
     }
 }

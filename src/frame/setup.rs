@@ -7,8 +7,8 @@ use super::uniforms::{MAX_LIGHTS, MAX_PROFILES};
 use super::view::ViewFacts;
 use super::{FrameError, Inputs};
 use crate::methods::{self, texture_space};
-use crate::scene::{Alpha, Atlas, Filled, Light, LightKind, gutter};
-use crate::settings::{Method, Quality, Settings, Spared, Texturing, ToneMap, Transmittance, View};
+use crate::scene::{Alpha, Atlas, Filled, Light, LightKind, gutter, is_convex};
+use crate::settings::{Method, Quality, Settings, Spared, Texturing, Transmittance, View};
 use crate::skin::profile::Profile;
 use crate::skin::specular::Lobes;
 use ash::vk;
@@ -41,6 +41,8 @@ pub struct Setup {
     pub scatters: bool,
     /// Some material has a normal map.
     pub normal_maps: bool,
+    /// Light falls on a normal of its own beside the interpolated one.
+    pub bumped: bool,
     /// Some material is textured.
     pub uvs: bool,
     /// Some texture reads second coordinates.
@@ -49,6 +51,8 @@ pub struct Setup {
     pub colors: bool,
     /// Gloss is more than plain lobes: some material has a coat, sheen, or specular of its own.
     pub coated: bool,
+    /// Some material reflects light.
+    pub glossy: bool,
     /// Some material scatters a share of the light alone.
     pub masked: bool,
     /// The thickest that a scattering material says it is under its surface, mm; 0 where nobody says, or nobody asks.
@@ -89,12 +93,16 @@ pub struct Setup {
     pub why_no_curvature: &'static str,
     /// Ambient occlusion is used.
     pub ao: bool,
+    /// It would be, and nothing is concave.
+    pub convex: bool,
     /// There is ambient light.
     pub ambient: bool,
     /// Gloss of two lobes on the profile's materials.
     pub lobes: Option<Lobes>,
     /// Light comes from a picture of the sky, instead of from the two ambient colours.
     pub sky: bool,
+    /// There is such a picture, of intensity 0.
+    pub dark_sky: bool,
     /// The sky is drawn behind the scene.
     pub background: bool,
     /// Lights.
@@ -148,6 +156,8 @@ impl Setup {
         let used = |test: &dyn Fn(&crate::scene::Material) -> bool| {
             scene.draws.iter().any(|d| d.index_count > 0 && scene.materials.get(d.material).is_some_and(test))
         };
+        // What is left out changes no bit of the picture; without leaving out, it runs for nothing.
+        let back = |what| settings.brings_back(what);
         let scatters = profile.is_some() && used(&|m| m.scatter == Some(index)) && settings.method != Method::Lambert;
         let mut levels = match profile {
             Some(profile) if scatters => Levels::new(profile, settings, view.magnification),
@@ -182,15 +192,17 @@ impl Setup {
             }
             _ => Vec::new(),
         };
-        // What is left out changes no bit of the picture; without leaving out, it runs for nothing.
-        let back = |what| settings.brings_back(what);
         let environment = scene.environment.as_ref().filter(|_| settings.view == View::Final);
-        let sky = environment.is_some_and(|e| e.intensity > 0.);
+        let shines = environment.is_some_and(|e| e.intensity > 0.);
+        let sky = shines || environment.is_some() && back(Spared::Environment);
         let colors = settings.ambient.up.iter().chain(&settings.ambient.down);
-        let ambient = !sky && (back(Spared::Ambient) || colors.into_iter().any(|x| *x > 0.));
+        let ambient = !shines && (back(Spared::Ambient) || colors.into_iter().any(|x| *x > 0.));
         let lit = matches!(settings.view, View::Final | View::Ao);
-        let ao =
-            lit && (((ambient || sky) && !settings.no_ao) || settings.view == View::Ao) && !levels.levels.is_empty();
+        let asked = ((ambient || shines) && !settings.no_ao) || settings.view == View::Ao;
+        let asked = lit && asked && !levels.levels.is_empty();
+        // A concave scene shows it in its first triangles.
+        let convex = asked && before.map_or_else(|| is_convex(scene), |b| b.convex);
+        let ao = asked && (!convex || settings.view == View::Ao || back(Spared::Occlusion));
         let wanted = settings.view == View::Curvature || settings.view == View::SoftCurvature;
         let bent = match settings.method {
             Method::Pdss => blurred,
@@ -245,7 +257,11 @@ impl Setup {
             && settings.through() != Transmittance::Off
             && matches!(settings.method, Method::Pdss | Method::Wrap | Method::Separable | Method::TextureSpace);
         let has_uvs = !scene.uvs.is_empty();
-        let uvs = (back(Spared::TextureCoordinates) || used(&|m| m.is_textured()) || atlas.is_some()) && has_uvs;
+        let idle_uvs = back(Spared::TextureCoordinates) || back(Spared::Textures);
+        let uvs = (idle_uvs || used(&|m| m.is_textured()) || atlas.is_some()) && has_uvs;
+        let detail = mass && before.map_or_else(|| normal_maps || super::mass::strays(scene), |b| b.detail);
+        let lit_picture = settings.view == View::Final;
+        let glossy = lit_picture && (back(Spared::Specular) || settings.fuzz > 0. || used(&|m| m.reflects()));
         Ok(Setup {
             profile: index,
             several,
@@ -253,11 +269,14 @@ impl Setup {
             size,
             output: if is_lit(settings.view) { inputs.output } else { Output::Linear },
             scatters,
+            // The shaders that write mass alone have no place for it.
+            bumped: normal_maps || back(Spared::NormalMap) && (detail || !mass),
             normal_maps,
             uvs,
             second_uvs: uvs && !scene.second_uvs.is_empty(),
             colors: !scene.colors.is_empty(),
-            coated: settings.view == View::Final && used(&|m| m.is_coated()),
+            glossy,
+            coated: glossy && (back(Spared::Coat) || used(&|m| m.is_coated())),
             masked: scatters
                 && used(&|m| m.scatter.is_some() && (m.scatter_mask < 1. || m.scatter_mask_texture.is_some())),
             thickest_mm: if through { thickest(scene) } else { 0. },
@@ -265,10 +284,10 @@ impl Setup {
             has_uvs,
             base_maps: used(&|m| m.base_color_texture.is_some()),
             cut_outs: used(&|m| alpha_cutoff(m.alpha).is_some()),
-            timed: inputs.timing.is_some(),
+            timed: inputs.timing.is_some() || back(Spared::Timestamps),
             diffuses,
             mass,
-            detail: mass && before.map_or_else(|| normal_maps || super::mass::strays(scene), |b| b.detail),
+            detail,
             taps,
             levels,
             kernel,
@@ -279,10 +298,12 @@ impl Setup {
             curvature,
             why_no_curvature,
             ao,
+            convex,
             ambient,
             lobes: profile.and_then(|p| p.lobes).filter(|_| used(&|m| m.scatter == Some(index))),
             sky,
-            background: environment.is_some_and(|e| e.background.is_some()),
+            dark_sky: environment.is_some() && !shines,
+            background: shines && environment.is_some_and(|e| e.background.is_some()),
             lights: inputs.lights.len() as u32,
             shining: inputs.lights.clone(),
             all_directional: !back(Spared::Places)
@@ -290,44 +311,6 @@ impl Setup {
             view,
             settings: settings.clone(),
         })
-    }
-
-    /// Adds the specialization constants of a pass that loops over the lights.
-    pub fn specialise_lights(&self, pass: &mut crate::plan::Pass) {
-        pass.constant("LIGHTS", self.lights).constant("ALL_DIRECTIONAL", u32::from(self.all_directional));
-    }
-
-    /// Binds what light from all around is read from, or, where there is none, whatever is there anyway: specialised, the shader
-    /// reads none of it.
-    pub fn specialise_sky(&self, pass: &mut crate::plan::Pass) {
-        pass.constant("SKY", u32::from(self.sky));
-        if !self.sky {
-            pass.bind("environment", "frame").bind("sky", "white").bind("bands", "white");
-        }
-    }
-
-    /// Adds the specialization constants of a pass that reflects light, and what it reads of the G-buffer for it.
-    pub fn specialise_gloss(&self, pass: &mut crate::plan::Pass) {
-        pass.constants.extend(self.gloss());
-        pass.constant("COATED", u32::from(self.coated)).constant("MASKED", u32::from(self.masked));
-        if self.coated {
-            pass.bind("smooth_normal", "normal");
-        } else {
-            pass.absent("smooth_normal");
-            if self.thickest_mm == 0. {
-                pass.absent("coat");
-            }
-        }
-    }
-
-    /// The same, by themselves.
-    pub fn gloss(&self) -> Vec<(&'static str, u32)> {
-        let mut gloss = vec![("FUZZ", self.settings.fuzz.to_bits()), ("TWO_LOBES", u32::from(self.lobes.is_some()))];
-        if let Some(Lobes { roughness: [first, second], mix }) = self.lobes {
-            let of = [("LOBE_FIRST", first), ("LOBE_SECOND", second), ("LOBE_MIX", mix)];
-            gloss.extend(of.map(|(name, x)| (name, (x as f32).to_bits())));
-        }
-        gloss
     }
 
     /// Of several profiles that scatter, it is not the first: what all share is there already.
@@ -338,26 +321,6 @@ impl Setup {
     /// The picture is made by lighting, not by showing a target.
     pub fn lit_view(&self) -> bool {
         is_lit(self.settings.view)
-    }
-
-    /// What lighting writes, as the shaders count it: the lit picture, scattered light, irradiance, ambient visibility.
-    pub fn lit_output(&self) -> u32 {
-        match self.settings.view {
-            View::Scatter => 1,
-            View::Irradiance => 2,
-            View::Ao => 3,
-            _ => 0,
-        }
-    }
-
-    /// The tone curve, as the shaders count them.
-    pub fn tone_curve(&self) -> u32 {
-        match (self.output, self.settings.tone_map) {
-            (Output::Linear, _) => 2,
-            _ if !self.overlay.draws.is_empty() => 2,
-            (_, ToneMap::Linear) => 1,
-            (_, ToneMap::Neutral) => 0,
-        }
     }
 
     /// The target that lighting ends in.
@@ -387,7 +350,7 @@ impl Setup {
 
     /// The target that holds the normal that light falls on.
     pub fn shading_normal(&self) -> &'static str {
-        if self.normal_maps { "bumped" } else { "normal" }
+        if self.bumped { "bumped" } else { "normal" }
     }
 }
 

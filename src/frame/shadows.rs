@@ -2,8 +2,8 @@
 
 use super::Inputs;
 use super::uniforms::{LightEntry, MAX_LAYERS};
-use crate::scene::{Light, LightKind};
-use crate::settings::Quality;
+use crate::scene::{Aabb, Light, LightKind};
+use crate::settings::{Method, Quality, Settings, Spared};
 use glam::camera::rh::proj::vulkan::perspective_infinite_reverse;
 use glam::{Mat4, Vec3, Vec4};
 
@@ -25,6 +25,8 @@ pub struct Shadows {
     lights: Vec<(i32, f32, i32)>,
     /// Lights beyond [`MAX_LAYERS`]: they shine through.
     pub beyond: usize,
+    /// Lights without a map, for they reach nothing.
+    pub far: usize,
 }
 
 impl Shadows {
@@ -48,22 +50,25 @@ impl Shadows {
             s.why_none = "nothing casts";
             return s;
         }
-        for (i, light) in inputs.lights.iter().enumerate() {
-            if light.intensity <= 0. || light.color.iter().all(|c| *c <= 0.) {
-                continue;
-            }
+        let on = |(_, l): &(usize, &Light)| l.intensity > 0. && l.color.iter().any(|c| *c > 0.);
+        let (near, far): (Vec<_>, Vec<_>) =
+            inputs.lights.iter().enumerate().filter(on).partition(|(_, l)| reaches(l, &inputs.scene.bounds));
+        let idle =
+            if spares(&inputs.settings).is_some_and(|s| inputs.settings.brings_back(s)) { &far[..] } else { &[] };
+        s.far = far.len() - idle.len();
+        for (place, (i, light)) in near.iter().chain(idle).copied().enumerate() {
             let (matrices, texel) = cast(light, &inputs.scene.positions, size);
             if s.matrices.len() + matrices.len() > MAX_LAYERS {
                 s.beyond += 1;
                 continue;
             }
-            let slot = if s.slots < MAX_SLOTS { s.slots as i32 } else { -1 };
+            let slot = if s.slots < MAX_SLOTS && place < near.len() { s.slots as i32 } else { -1 };
             s.slots += usize::from(slot >= 0);
             s.lights[i] = (s.matrices.len() as i32, texel, slot);
             s.matrices.extend(matrices);
         }
         if s.matrices.is_empty() {
-            s.why_none = "no light is on";
+            s.why_none = if s.far > 0 { "no light reaches anything" } else { "no light is on" };
         }
         s
     }
@@ -110,6 +115,29 @@ impl Shadows {
             layer,
             texel_mm,
             slot,
+        }
+    }
+}
+
+/// What brings the maps of lights that reach nothing back. What went through from the side of one, `texture-space` takes from all
+/// lights' irradiance: it would find some.
+pub fn spares(settings: &Settings) -> Option<Spared> {
+    (settings.method != Method::TextureSpace).then_some(Spared::Shadow)
+}
+
+/// Whether any of its light falls on anything in the box: lights of a range end there, and spots at their cone.
+fn reaches(light: &Light, bounds: &Aabb) -> bool {
+    let nearest = |p: Vec3| p.clamp(bounds.min, bounds.max);
+    let within = |p: Vec3| light.range_mm.is_none_or(|range| (nearest(p) - p).length() < range);
+    match light.kind {
+        LightKind::Directional { .. } => true,
+        LightKind::Point { position } => within(position),
+        LightKind::Spot { position, direction, outer_cos, .. } => {
+            // The sphere around the box, against the cone.
+            let (to, radius) = (bounds.center() - position, bounds.size().length() / 2.);
+            let distance = to.length();
+            let beside = || to.angle_between(direction) <= outer_cos.acos() + (radius / distance).asin();
+            within(position) && (distance <= radius || beside())
         }
     }
 }

@@ -14,7 +14,7 @@ mod wrap;
 use crate::frame::resources::external;
 use crate::frame::setup::Setup;
 use crate::plan::{Plan, PlanError};
-use crate::settings::{Method, Settings, View};
+use crate::settings::{Method, Settings, Spared, View};
 use crate::skin::profile::{Gaussian, Profile};
 use crate::stages;
 
@@ -26,6 +26,8 @@ use crate::stages;
 pub fn plan(setups: &[Setup]) -> Result<Plan, PlanError> {
     let mut plan = Plan { external: external(setups.len()), ..Plan::default() };
     let Some(first) = setups.first() else { return Ok(plan) };
+    let back = |what| first.settings.brings_back(what);
+    (plan.textured, plan.cut_out) = (back(Spared::Textures) && first.uvs, back(Spared::AlphaTest));
     plan.image(first.picture(), first.size);
     let scattering: Vec<&Setup> = setups.iter().filter(|s| s.scatters).collect();
     for s in if scattering.is_empty() { vec![first] } else { scattering } {
@@ -35,16 +37,18 @@ pub fn plan(setups: &[Setup]) -> Result<Plan, PlanError> {
     plan.profile = None;
     stages::background::add(&mut plan, first);
     if first.settings.view == View::Final && !first.sky {
-        plan.leave_out("environment", "no sky is given: ambient light has two colours", 0);
+        let why = if first.dark_sky { "its intensity is 0" } else { "no sky is given: ambient light has two colours" };
+        plan.leave_out("environment", why, 0).back = first.dark_sky.then_some(Spared::Environment);
     }
     stages::overlay::add(&mut plan, first);
     stages::tonemap::add(&mut plan, first);
     spared::note(&mut plan, first);
     plan.keep(first.kept());
-    if first.settings.still {
+    if first.settings.still && !back(Spared::Still) {
         plan.keep_still(&["shadow", "entrance"]);
         if plan.still > 0 {
-            plan.leave_out("shadow maps, but in the first frame", "--still: no light moves", 0);
+            plan.leave_out("shadow maps, but in the first frame", "--still: no light moves", 0).back =
+                Some(Spared::Still);
         }
     }
     plan.finish()?;

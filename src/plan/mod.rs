@@ -13,6 +13,7 @@ use std::collections::BTreeMap;
 
 mod finish;
 mod memory;
+mod pass;
 
 pub use memory::Need;
 
@@ -176,6 +177,10 @@ pub struct Plan {
     pub buffers: BTreeMap<String, BufferPlan>,
     /// So many passes at the start draw what stands still; frames to come may begin behind them ([`Plan::keep_still`]).
     pub still: usize,
+    /// Materials are drawn as if each had textures of colour, roughness and occlusion.
+    pub textured: bool,
+    /// Materials are drawn as if each were cut out.
+    pub cut_out: bool,
     /// What was left out.
     pub left_out: Vec<LeftOut>,
     /// Resources made outside of the frame and never written by it (scene buffers, tables).
@@ -358,31 +363,6 @@ impl Plan {
     /// Bytes of texels of one image.
     pub fn target_bytes(&self, t: &TargetPlan) -> u64 {
         memory::texels(&t.desc)
-    }
-}
-
-impl Pass {
-    /// Sets a specialization constant.
-    pub fn constant(&mut self, name: &'static str, value: u32) -> &mut Self {
-        self.constants.push((name, value));
-        self
-    }
-
-    /// Binds another resource to one of the shader's names.
-    pub fn bind(&mut self, shader_name: &'static str, resource: impl Into<String>) -> &mut Self {
-        self.aliases.insert(shader_name, resource.into());
-        self
-    }
-
-    /// Binds a placeholder: the shader, as specialised, does not read it.
-    pub fn absent(&mut self, shader_name: &'static str) -> &mut Self {
-        self.bind(shader_name, "")
-    }
-
-    /// Sets the push constants.
-    pub fn push<T: bytemuck::NoUninit>(&mut self, value: &T) -> &mut Self {
-        self.push = bytemuck::bytes_of(value).to_vec();
-        self
     }
 }
 

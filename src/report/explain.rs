@@ -33,6 +33,8 @@ pub struct Explanation {
     pub bytes_per_pixel_beside_gbuffer: f64,
     /// What is not there.
     pub left_out: Vec<LeftOut>,
+    /// Bytes of images as they share memory that each of these would take if it were brought back.
+    pub saved_bytes: BTreeMap<String, u64>,
     /// Median ms of a frame that brings each of these back, less a frame that does not; where it was measured.
     pub saved_ms: BTreeMap<String, f64>,
 }
@@ -153,6 +155,7 @@ impl Explanation {
             bytes_per_pixel: (frame.read + frame.written) as f64 / pixels.max(1) as f64,
             bytes_per_pixel_beside_gbuffer: beside(plan, bytes_shared) as f64 / pixels.max(1) as f64,
             left_out: plan.left_out.clone(),
+            saved_bytes: BTreeMap::new(),
             saved_ms: BTreeMap::new(),
         }
     }
@@ -354,7 +357,11 @@ impl Display for Explanation {
         writeln!(f, "\nleft out:{}", if self.left_out.is_empty() { " nothing" } else { "" })?;
         for l in &self.left_out {
             let ms = self.saved_ms.get(&l.what).map_or(String::new(), |ms| format!(", {ms:.2} ms"));
-            writeln!(f, "  {}: {} (saves {} of images{ms})", l.what, l.why, human(l.bytes))?;
+            let shared = self
+                .saved_bytes
+                .get(&l.what)
+                .map_or(String::new(), |b| format!(", {} as they share memory", human(*b)));
+            writeln!(f, "  {}: {} (saves {} of images{shared}{ms})", l.what, l.why, human(l.bytes))?;
         }
         Ok(())
     }

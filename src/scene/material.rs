@@ -114,6 +114,15 @@ impl Material {
         self.coat.factor > 0.0 || self.sheen.color.iter().any(|c| *c > 0.0) || factor != 1.0 || color != [1.0; 3]
     }
 
+    /// Whether anything is reflected at its surface. Nothing is where a dielectric's gloss has the factor 0, which takes what is
+    /// reflected edge on, too, and neither coat nor sheen lies over it. An index of refraction of 1 leaves that, as in glTF.
+    pub fn reflects(&self) -> bool {
+        self.metallic > 0.0
+            || self.specular.factor > 0.0
+            || self.coat.factor > 0.0
+            || self.sheen.color.iter().any(|c| *c > 0.0)
+    }
+
     /// Its textures, in the order of [`MAPS`].
     pub fn maps(&self) -> [Option<usize>; MAPS.len()] {
         [

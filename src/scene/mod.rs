@@ -9,6 +9,7 @@
 mod atlas;
 mod bake;
 mod camera;
+mod convex;
 mod environment;
 mod error;
 mod gltf;
@@ -29,6 +30,7 @@ use glam::{DVec3, Vec3};
 pub use atlas::{Atlas, Filled, Seam, gutter};
 pub(crate) use camera::framing_distance;
 pub use camera::{Camera, Projection};
+pub use convex::is_convex;
 pub use environment::Environment;
 pub use error::SceneError;
 pub use light::{Light, LightKind, direction_from};

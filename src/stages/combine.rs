@@ -23,7 +23,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         .bind("normal", s.shading_normal())
         .bind("picture", s.picture());
     s.specialise_gloss(pass);
-    if view != View::Final {
+    if !s.glossy {
         pass.absent("reflected");
     }
     if view == View::Irradiance {

@@ -32,21 +32,25 @@ fn all(plan: &mut Plan, s: &Setup) {
         colors.push("coat");
     } else if s.lit_view() {
         let why = "no material has a coat, sheen, specular of its own or thickness that is seen";
-        plan.leave_out("coat", why, 8 * s.pixels());
+        plan.leave_out("coat", why, 8 * s.pixels()).back = s.glossy.then_some(Spared::Coat);
     }
     if s.atlas.is_some() {
         colors.push("chart");
     }
-    if s.normal_maps {
+    if s.bumped {
         colors.push("bumped");
     } else {
-        plan.leave_out("bumped", "no material has a normal map", 4 * s.pixels());
+        let back = (s.detail || !s.mass).then_some(Spared::NormalMap);
+        plan.leave_out("bumped", "no material has a normal map", 4 * s.pixels()).back = back;
     }
     if s.mass {
         colors.push("mass");
     }
     if s.detail {
         colors.push("facet");
+    } else if s.mass {
+        let why = "shading normals are the triangles' own, to .02";
+        plan.leave_out("facet", why, 4 * s.pixels());
     }
     for name in colors.iter().chain(&["depth"]) {
         plan.image(name, s.size);
@@ -62,7 +66,7 @@ fn all(plan: &mut Plan, s: &Setup) {
         plan.leave_out("vertex colours", "no vertex has one", 0);
     }
     let extra = if s.mass { Extra::Mass } else { Extra::None };
-    let fragment = match (s.mass, s.detail, s.normal_maps, layered) {
+    let fragment = match (s.mass, s.detail, s.bumped, layered) {
         (false, _, _, false) if s.atlas.is_some() => &shaders::GBUFFER_FRAG_CHART,
         (false, _, _, false) => &shaders::GBUFFER_FRAG_PLAIN,
         (true, false, _, false) => &shaders::GBUFFER_FRAG_MASS,

@@ -13,8 +13,10 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     }
     let lit = s.settings.view == View::Final;
     plan.image("irradiance", s.size);
-    if lit {
+    if s.glossy {
         plan.image("reflected", s.size);
+    } else if lit {
+        plan.leave_out("reflected", "no material reflects anything", 8 * s.pixels());
     }
     let pass = plan
         .compute("irradiance", &shaders::IRRADIANCE, tiles::surface())
@@ -26,7 +28,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     s.specialise_lights(pass);
     s.specialise_sky(pass);
     s.specialise_gloss(pass);
-    if !lit {
+    if !s.glossy {
         pass.absent("reflected");
     }
     if s.shadows.matrices.is_empty() {

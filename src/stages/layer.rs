@@ -7,7 +7,12 @@ use crate::shaders;
 
 /// Adds the pass, if there are several profiles.
 pub fn add(plan: &mut Plan, s: &Setup) {
-    let Some(k) = plan.profile else { return };
+    let Some(k) = plan.profile else {
+        if s.scatters {
+            plan.leave_out("layer", "one profile: nobody asks by which a surface scatters", 4 * s.pixels());
+        }
+        return;
+    };
     plan.image("viewz", s.size);
     // It reads the viewz that all share.
     plan.shared(|plan| {

@@ -5,7 +5,7 @@ use super::{tiles, transmittance};
 use crate::frame::setup::Setup;
 use crate::frame::uniforms::MAX_LEVELS;
 use crate::plan::Plan;
-use crate::settings::{Method, View};
+use crate::settings::{Method, Spared, View};
 use crate::shaders;
 
 const STRIDES: [&str; MAX_LEVELS] = ["STRIDE0", "STRIDE1", "STRIDE2", "STRIDE3", "STRIDE4", "STRIDE5"];
@@ -34,7 +34,6 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         .constant("LOOK_UP", u32::from(s.shadows.look_up()))
         .constant("SLOTS", u32::from(s.shadows.slots > 0))
         .constant("CURVE", s.tone_curve())
-        .constant("SPECULAR", 1)
         .constant("AO", u32::from(s.ao))
         .constant("AMBIENT", u32::from(s.ambient))
         .constant("LEVELS", levels as u32)
@@ -66,8 +65,14 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     if s.shadows.slots == 0 {
         pass.absent("lit");
     }
-    if s.shadows.matrices.is_empty() || !(s.shadows.look_up() || gaussians > 0) {
+    let (none, read) = (s.shadows.matrices.is_empty(), s.shadows.look_up() || gaussians > 0);
+    let bound = read || s.settings.brings_back(Spared::ShadowMap);
+    if none || !bound {
         pass.bind("shadow", "no shadow");
+    }
+    if !none && !bound {
+        let why = "every light that casts has been looked up by visibility: other images may lie there";
+        plan.leave_out("shadow while light runs", why, 0).back = Some(Spared::ShadowMap);
     }
 }
 

@@ -1,6 +1,7 @@
 //! shadow: meshes -> shadow. One depth-only pass a layer: one a directional or spot light, six a point light.
 
 use crate::frame::setup::Setup;
+use crate::frame::shadows::spares;
 use crate::frame::uniforms::MAX_LAYERS;
 use crate::gpu::pipeline::Raster;
 use crate::plan::{Geometry, Plan};
@@ -23,8 +24,13 @@ fn all(plan: &mut Plan, s: &Setup) {
 pub fn layers(plan: &mut Plan, s: &Setup, pass: impl Fn(&mut Plan, &str, u32, Raster)) {
     let layers = s.shadows.matrices.len() as u32;
     if layers == 0 {
-        plan.leave_out("shadow", s.shadows.why_none, 0);
+        plan.leave_out("shadow", s.shadows.why_none, 0).back = spares(&s.settings).filter(|_| s.shadows.far > 0);
         return;
+    }
+    if s.shadows.far > 0 {
+        let bytes = 4 * u64::from(s.shadows.size).pow(2);
+        plan.leave_out(&format!("shadow maps of {} lights", s.shadows.far), "they reach nothing", bytes).back =
+            spares(&s.settings);
     }
     if s.shadows.beyond > 0 {
         let why = format!("{MAX_LAYERS} shadow layers are the limit: these lights shine through");

@@ -18,7 +18,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         } else {
             "not every light whose shadow is scattered is directional, or no level is wide beside a shadow texel"
         };
-        plan.leave_out("light from the light's view", why, 0);
+        plan.leave_out("light from the light's view", why, 4 * s.pixels());
     }
 }
 
