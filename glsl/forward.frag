@@ -18,6 +18,7 @@
 #include "common/material.glsl"
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
+#include "common/thickness.glsl"
 #include "common/specular.glsl"
 #include "common/environment.glsl"
 #include "common/sky_gloss.glsl"
@@ -42,8 +43,13 @@ layout(constant_id = 10) const int TAPS = 1;             // of the shadow's disc
 
 layout(set = 0, binding = 20) uniform sampler2D lut;
 layout(set = 0, binding = 21) uniform sampler2D penumbra;
-// Entry 0: rgb sigma (mm) by which each channel's normal is blurred, w diameter (mm) of the shadow's disc.
+layout(constant_id = 12) const int GAUSSIANS = 0;        // of the profile, through which light comes from behind; 0: none does
+layout(constant_id = 33) const float THICKEST = 0.;      // mm; 0: no file says how thick its bodies are
+const int FIRST_GAUSSIAN = 1;
+// Entry 0: rgb sigma (mm) by which each channel's normal is blurred, w diameter (mm) of the shadow's disc. Then the profile's
+// Gaussians: rgb weight, w variance in mm^2.
 layout(set = 0, binding = 6, scalar) readonly buffer KernelBlock { vec4 entry[]; } kernel;
+#include "common/behind.glsl"
 
 layout(location = 0) in vec3 view_normal;
 layout(location = 1) in vec4 uv;
@@ -131,9 +137,14 @@ void main() {
             lit.g = lut_look_up(lut, cosine.g, curvature, 1.);
             lit.b = lut_look_up(lut, cosine.b, curvature, 2.);
         }
+        lit *= shade;
+        if (GAUSSIANS > 0 && scatters && c < 0.) {
+            float stated = THICKEST > 0. ? THICKEST * material_thickness(uv) : 0.;
+            lit = from_behind(light, l, c, p, n, stated, lit);
+        }
         if (OUTPUT == OUTPUT_IRRADIANCE) exitance += unscattered;
-        else if (MASKED && scatters && scatter < 1.) exitance += mix(unscattered, lit * shade * arriving, scatter);
-        else exitance += lit * shade * arriving;
+        else if (MASKED && scatters && scatter < 1.) exitance += mix(unscattered, lit * arriving, scatter);
+        else exitance += lit * arriving;
         if (SPECULAR && OUTPUT == OUTPUT_FINAL) reflected += gloss_light(gloss, b, v, l) * arriving * seen;
     }
     vec3 radiance = exitance;

@@ -150,27 +150,7 @@ layout(constant_id = 18) const float THICKEST = 0.;       // mm; 0: no file says
 // wrap: entry 0, rgb Burley's d in mm, w the widest. Then the profile's Gaussians: rgb weight, w variance in mm^2.
 const int FIRST_GAUSSIAN = METHOD == 3 ? 1 : 0;
 layout(set = 0, binding = 21, scalar) readonly buffer KernelBlock { vec4 entry[]; } kernel;
-#endif
-
-#if METHOD == 1 || METHOD == 3
-// Light that enters a thin part on its far side, c = n.l < 0 from here: what a slab between two planes shows, front and back
-// divided by what both weigh. Where light falls on the mesh itself, its shading normal alone turns away, and none comes
-// through; where the normal grazes, a way through says nothing of a slab, and counts for less.
-vec3 from_behind(Light light, vec3 l, float c, vec3 position, vec3 n, float stated, vec3 lit) {
-    float mm = stated;
-    if (light.layer >= 0) {
-        int layer = shadow_layer(light, position);
-        mm = thickness_stated(stated, thickness(light, layer, shadow_place(layer, position), position));
-    } else if (stated == 0.) return lit;
-    vec3 through = vec3(0.);
-    for (int k = 0; k < GAUSSIANS; ++k) {
-        vec4 g = kernel.entry[FIRST_GAUSSIAN + k];
-        through += g.rgb * exp2(-.72134752 * min(mm * mm / max(g.w, 1e-30), 160.));
-    }
-    if (light.layer >= 0) through *= 1. - shadow_visibility(light, position, n, l, mat3(frame.world_from_view));
-    through *= -c;
-    return mix(lit, vec3(-c), through / (1. + through));
-}
+#include "common/behind.glsl"
 #endif
 
 void finish(ivec2 pixel, vec3 color) {

@@ -53,17 +53,15 @@ pub enum SeparableKernel {
     Authors,
 }
 
-/// Whether light that enters on the far side of a thin part leaves on the near one, for `separable`, `texture-space`, `pdss`
-/// and `wrap`.
+/// Whether light that enters on the far side of a thin part leaves on the near one; `moments` finds that light by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Transmittance {
-    /// By the thickness that the shadow map measures, as the authors' code does. `separable`: exp(-s^2/v), from .3 before the
-    /// terminator on (Jimenez et al. 2010); `texture-space`: light blurred where it enters, times exp(-s^2/2v), added
-    /// (d'Eon & Luebke 2007).
+    /// By the thickness that the shadow map measures, as the authors have it. `separable`, `gaussians`, `burley`: exp(-s^2/v), from
+    /// .3 before the terminator on (Jimenez et al. 2010); `texture-space`: light blurred where it enters (d'Eon & Luebke 2007).
     Authors,
-    /// Exact for a slab lit from behind: exp(-s^2/2v), from the terminator on; all but `separable` divide by what both sides weigh.
-    /// `pdss` and `wrap` know but this one.
+    /// Exact for a slab lit from behind: exp(-s^2/2v) over what both sides weigh, from the terminator on. `pdss`, `wrap` and
+    /// `preintegrated` know but this one.
     Slab,
     /// Not.
     Off,
@@ -238,8 +236,8 @@ pub struct Settings {
     /// Kernel of `separable`.
     #[arg(long, value_enum, default_value_t)]
     pub separable_kernel: SeparableKernel,
-    /// Light through thin parts. Default: slab for separable and texture-space; off for pdss and wrap, whose integral over a
-    /// sphere holds the light that passes through it already.
+    /// Light through thin parts. Default: slab; off for pdss and wrap, whose integral over a sphere holds the light that passes
+    /// through it already.
     #[arg(long, value_enum)]
     pub transmittance: Option<Transmittance>,
     /// What the picture shows.
@@ -302,8 +300,8 @@ impl Settings {
     /// How light passes through thin parts.
     pub fn through(&self) -> Transmittance {
         self.transmittance.unwrap_or(match self.method {
-            Method::Separable | Method::TextureSpace => Transmittance::Slab,
-            _ => Transmittance::Off,
+            Method::Pdss | Method::Wrap => Transmittance::Off,
+            _ => Transmittance::Slab,
         })
     }
 

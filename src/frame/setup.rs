@@ -73,6 +73,8 @@ pub struct Setup {
     pub levels: Levels,
     /// What the shaders of other methods read of the profile (`methods::kernel`).
     pub kernel: Vec<[f64; 4]>,
+    /// The last rows of it: the Gaussians through which light may come from behind (`methods::behind`).
+    pub behind: u32,
     /// Light is gathered, and divided by the kernel's mass.
     pub mass: bool,
     /// Gathered light lacks what shading normals add to the triangles' own; that is blurred beside it.
@@ -192,6 +194,8 @@ impl Setup {
             }
             _ => Vec::new(),
         };
+        let passes = !matches!(settings.method, Method::Lambert | Method::Moments | Method::TextureSpace);
+        let behind = profile.filter(|_| diffuses && passes).map_or(0, |p| methods::behind(p).len() as u32);
         let environment = scene.environment.as_ref().filter(|_| settings.view == View::Final);
         let shines = environment.is_some_and(|e| e.intensity > 0.);
         let sky = shines || environment.is_some() && back(Spared::Environment);
@@ -255,7 +259,7 @@ impl Setup {
             && is_lit(settings.view)
             && settings.view != View::Irradiance
             && settings.through() != Transmittance::Off
-            && matches!(settings.method, Method::Pdss | Method::Wrap | Method::Separable | Method::TextureSpace);
+            && !matches!(settings.method, Method::Lambert | Method::Moments);
         let has_uvs = !scene.uvs.is_empty();
         let idle_uvs = back(Spared::TextureCoordinates) || back(Spared::Textures);
         let uvs = (idle_uvs || used(&|m| m.is_textured()) || atlas.is_some()) && has_uvs;
@@ -291,6 +295,7 @@ impl Setup {
             taps,
             levels,
             kernel,
+            behind,
             atlas,
             border,
             gutter,

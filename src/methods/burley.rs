@@ -6,17 +6,18 @@ use crate::plan::Plan;
 use crate::settings::Quality;
 use crate::skin::burley::{fit_d, inverse_cdf};
 use crate::skin::profile::{MAX_RADIUS_ENERGY, Profile};
-use crate::stages::{burley, combine, gbuffer, irradiance, layer, shadow, tiles};
+use crate::stages::{burley, combine, gbuffer, irradiance, layer, shadow, tiles, transmittance};
 
 /// The frame.
 pub fn frame(p: &mut Plan, s: &Setup) {
-    shadow::add(p, s); //     meshes                          -> shadow
-    gbuffer::add(p, s); //    meshes                          -> viewz normal albedo material bumped
-    layer::add(p, s); //      viewz                           -> viewz of each, of several profiles
-    tiles::add(p, s); //      viewz                           -> tile lists
-    irradiance::add(p, s); // G-buffer shadow                 -> irradiance reflected
-    burley::add(p, s); //     viewz irradiance                -> scattered
-    combine::add(p, s); //    G-buffer scattered reflected    -> ldr or exr
+    shadow::add(p, s); //        meshes                          -> shadow
+    gbuffer::add(p, s); //       meshes                          -> viewz normal albedo material bumped
+    layer::add(p, s); //         viewz                           -> viewz of each, of several profiles
+    tiles::add(p, s); //         viewz                           -> tile lists
+    irradiance::add(p, s); //    G-buffer shadow                 -> irradiance reflected
+    transmittance::add(p, s); // viewz normal albedo shadow      -> irradiance
+    burley::add(p, s); //           viewz irradiance                -> scattered
+    combine::add(p, s); //       G-buffer scattered reflected    -> ldr or exr
 }
 
 /// Samples of a pixel at most: 20, 40 and 80 are the budgets of Unity's HDRP, which has no fourth.

@@ -6,17 +6,18 @@ use crate::frame::setup::Setup;
 use crate::plan::Plan;
 use crate::settings::Quality;
 use crate::skin::profile::Profile;
-use crate::stages::{combine, gaussians, gbuffer, irradiance, layer, shadow, tiles};
+use crate::stages::{combine, gaussians, gbuffer, irradiance, layer, shadow, tiles, transmittance};
 
 /// The frame.
 pub fn frame(p: &mut Plan, s: &Setup) {
-    shadow::add(p, s); //     meshes                          -> shadow
-    gbuffer::add(p, s); //    meshes                          -> viewz normal albedo material bumped
-    layer::add(p, s); //      viewz                           -> viewz of each, of several profiles
-    tiles::add(p, s); //      viewz                           -> tile lists
-    irradiance::add(p, s); // G-buffer shadow                 -> irradiance reflected
-    gaussians::add(p, s); //  viewz irradiance                -> scattered
-    combine::add(p, s); //    G-buffer scattered reflected    -> ldr or exr
+    shadow::add(p, s); //        meshes                          -> shadow
+    gbuffer::add(p, s); //       meshes                          -> viewz normal albedo material bumped
+    layer::add(p, s); //         viewz                           -> viewz of each, of several profiles
+    tiles::add(p, s); //         viewz                           -> tile lists
+    irradiance::add(p, s); //    G-buffer shadow                 -> irradiance reflected
+    transmittance::add(p, s); // viewz normal albedo shadow      -> irradiance
+    gaussians::add(p, s); //        viewz irradiance                -> scattered
+    combine::add(p, s); //       G-buffer scattered reflected    -> ldr or exr
 }
 
 /// Gaussians at most: two for skin seen from afar, four as in GPU Pro 2010, then all of the six of d'Eon & Luebke 2007.

@@ -88,17 +88,18 @@ pub fn kernel(settings: &Settings, profile: &Profile, least_sigma_mm: f64, texel
     match settings.method {
         Method::Lambert | Method::Moments => Vec::new(),
         Method::Pdss => behind(profile),
-        Method::Preintegrated => preintegrated::kernel(profile),
+        Method::Preintegrated => [preintegrated::kernel(profile), behind(profile)].concat(),
         Method::TextureSpace => texture_space::kernel(settings, profile, least_sigma_mm, texel_mm),
-        Method::Gaussians => gaussians::kernel(settings.quality, profile, least_sigma_mm),
-        Method::Separable => separable::kernel(settings, profile),
-        Method::Burley => burley::kernel(profile),
+        Method::Gaussians => [gaussians::kernel(settings.quality, profile, least_sigma_mm), behind(profile)].concat(),
+        Method::Separable => [separable::kernel(settings, profile), behind(profile)].concat(),
+        Method::Burley => [burley::kernel(profile), behind(profile)].concat(),
         Method::Wrap => [wrap::kernel(profile), behind(profile)].concat(),
     }
 }
 
-/// The Gaussians through which light comes from behind: weight, variance in mm^2.
-fn behind(profile: &Profile) -> Vec<[f64; 4]> {
+/// The Gaussians through which light comes from behind, the last rows of [`kernel`] where the method has any: weight, variance in
+/// mm^2.
+pub fn behind(profile: &Profile) -> Vec<[f64; 4]> {
     let all = profile.gaussians().gaussians.into_iter();
     let rows = all.map(|Gaussian { weight: [r, g, b], variance }| [r, g, b, variance]);
     rows.collect()

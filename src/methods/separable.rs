@@ -35,7 +35,7 @@ pub fn tap_rows(quality: Quality) -> u32 {
     taps(quality) / 2 + 1
 }
 
-/// The taps of one side, the centre first: weight, offset in mm; then the profile's Gaussians: weight, variance in mm^2.
+/// The taps of one side, the centre first: weight, offset in mm.
 pub fn kernel(settings: &Settings, profile: &Profile) -> Vec<[f64; 4]> {
     let (gaussians, taps) = (profile.gaussians().gaussians, taps(settings.quality));
     let widest = gaussians.iter().map(|g| g.variance.sqrt()).fold(0., f64::max);
@@ -44,6 +44,5 @@ pub fn kernel(settings: &Settings, profile: &Profile) -> Vec<[f64; 4]> {
         SeparableKernel::Authors => of_authors(widest, taps),
     };
     let four = |[r, g, b]: [f64; 3], w: f64| [r, g, b, w];
-    let taps = row.iter().map(|t| four(t.weight, t.offset_mm));
-    taps.chain(gaussians.iter().map(|g| four(g.weight, g.variance))).collect()
+    row.iter().map(|t| four(t.weight, t.offset_mm)).collect()
 }

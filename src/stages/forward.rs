@@ -1,6 +1,7 @@
 //! forward: meshes, shadow, lut, penumbra -> ldr or exr, depth. Lights what it draws: no G-buffer, no tiles.
 
 use super::gbuffer::{self, Extra};
+use super::transmittance;
 use crate::frame::setup::Setup;
 use crate::methods::preintegrated;
 use crate::plan::{Geometry, Plan};
@@ -13,7 +14,9 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     if s.several
         && let Some(pass) = plan.find("forward")
     {
-        pass.each.push((s.profile, s.gloss()));
+        let mut own = s.gloss();
+        own.push(("GAUSSIANS", transmittance::gaussians(s).unwrap_or(0)));
+        pass.each.push((s.profile, own));
     }
 }
 
@@ -27,6 +30,7 @@ fn all(plan: &mut Plan, s: &Setup) {
     if !bend {
         plan.leave_out("curvature of the mesh", "screen-space derivatives tell it", 0);
     }
+    let gaussians = transmittance::said(plan, s);
     let colors = vec![(s.picture().to_owned(), Some([0; 4]))];
     let depth = Some(("depth".to_owned(), None, 0.));
     let fragment = if bend { &shaders::FORWARD_FRAG_VERTEX } else { &shaders::FORWARD_FRAG_DERIVATIVE };
@@ -39,7 +43,9 @@ fn all(plan: &mut Plan, s: &Setup) {
         .constant("AMBIENT", u32::from(lit && s.ambient))
         .constant("CURVE", s.tone_curve())
         .constant("NORMALS", effort.normals - 1)
-        .constant("TAPS", effort.taps);
+        .constant("TAPS", effort.taps)
+        .constant("GAUSSIANS", gaussians)
+        .constant("THICKEST", s.thickest_mm.to_bits());
     s.specialise_lights(pass);
     s.specialise_sky(pass);
     s.specialise_gloss(pass);

@@ -19,7 +19,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     }
     let (half, spacing) = if s.settings.quality == Quality::Ultra { (6, 0.5f32) } else { (3, 1.) };
     let mut source = "irradiance";
-    for step in 1..s.kernel.len() as u32 {
+    for step in 1..s.kernel.len() as u32 - s.behind {
         plan.compute(&format!("gaussians{step} across"), &shaders::GAUSSIANS_ACROSS, tiles::scattering(1))
             .constant("STEP", step)
             .constant("HALF", half)

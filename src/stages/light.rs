@@ -5,7 +5,7 @@ use super::{tiles, transmittance};
 use crate::frame::setup::Setup;
 use crate::frame::uniforms::MAX_LEVELS;
 use crate::plan::Plan;
-use crate::settings::{Method, Spared, View};
+use crate::settings::{Method, Spared};
 use crate::shaders;
 
 const STRIDES: [&str; MAX_LEVELS] = ["STRIDE0", "STRIDE1", "STRIDE2", "STRIDE3", "STRIDE4", "STRIDE5"];
@@ -25,7 +25,8 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         _ => &shaders::LIGHT_LAMBERT,
     };
     let levels = s.levels.levels.len();
-    let gaussians = gaussians(plan, s, method);
+    // `moments` finds that light in the light's own view.
+    let gaussians = if matches!(method, Method::Pdss | Method::Wrap) { transmittance::said(plan, s) } else { 0 };
     tiles::background(plan, s);
     let pass = plan
         .compute("light", shader, tiles::surface())
@@ -74,16 +75,4 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         let why = "every light that casts has been looked up by visibility: other images may lie there";
         plan.leave_out("shadow while light runs", why, 0).back = Some(Spared::ShadowMap);
     }
-}
-
-/// How many of the profile's Gaussians let light through from behind; `moments` finds that light in the light's own view.
-fn gaussians(plan: &mut Plan, s: &Setup, method: Method) -> u32 {
-    if !matches!(method, Method::Pdss | Method::Wrap) || s.settings.view == View::Irradiance {
-        return 0;
-    }
-    if let Err(why) = transmittance::measures(s) {
-        plan.leave_out("transmittance", why, 0);
-        return 0;
-    }
-    s.kernel.len() as u32 - u32::from(method == Method::Wrap)
 }

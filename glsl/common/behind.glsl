@@ -1,0 +1,25 @@
+// Light that enters a thin part on its far side, as a slab between two planes lets it through: of what falls on the back f, the
+// profile over the thickness, arrives in front, and front and back weigh 1 + f. Needs thickness.glsl, and GAUSSIANS of the profile
+// at FIRST_GAUSSIAN of a `kernel`.
+
+// f of a light that shines on the back. Where it falls on the mesh itself, its shading normal alone turns away, and none comes through.
+vec3 let_through(Light light, vec3 l, vec3 position, vec3 n, float stated) {
+    float mm = stated;
+    if (light.layer >= 0) {
+        int layer = shadow_layer(light, position);
+        mm = thickness_stated(stated, thickness(light, layer, shadow_place(layer, position), position));
+    } else if (stated == 0.) return vec3(0.);
+    vec3 through = vec3(0.);
+    for (int k = 0; k < GAUSSIANS; ++k) {
+        vec4 g = kernel.entry[FIRST_GAUSSIAN + k];
+        through += g.rgb * exp2(-.72134752 * min(mm * mm / max(g.w, 1e-30), 160.));
+    }
+    return light.layer >= 0 ? through * (1. - shadow_visibility(light, position, n, l, mat3(frame.world_from_view))) : through;
+}
+
+// The same beside the light that a body of this curvature has anyway, c = n.l < 0: where the normal grazes, a way through says
+// nothing of a slab, and counts for less.
+vec3 from_behind(Light light, vec3 l, float c, vec3 position, vec3 n, float stated, vec3 lit) {
+    vec3 through = let_through(light, l, position, n, stated) * -c;
+    return mix(lit, vec3(-c), through / (1. + through));
+}
