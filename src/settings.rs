@@ -246,9 +246,10 @@ pub struct Settings {
     /// Tone curve of the PNG.
     #[arg(long, value_enum, default_value_t)]
     pub tone_map: ToneMap,
-    /// Exposure in stops.
-    #[arg(long, default_value_t = 0., allow_hyphen_values = true)]
-    pub exposure: f32,
+    /// Exposure in stops. Default: 0; for a PNG under --env, as a light meter held at the scene would have it.
+    #[arg(long, allow_hyphen_values = true)]
+    #[serde(serialize_with = "or_none")]
+    pub exposure: Option<f32>,
     /// Ambient radiance, r,g,b or one grey number: from above and, after a colon, from below.
     #[arg(long, default_value = "0.03", value_parser = parse_ambient)]
     pub ambient: Ambient,
@@ -296,6 +297,11 @@ pub struct Ambient {
     pub down: [f32; 3],
 }
 
+/// A record says what was taken.
+fn or_none<S: serde::Serializer>(stops: &Option<f32>, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_f32(stops.unwrap_or(0.))
+}
+
 impl Settings {
     /// How light passes through thin parts.
     pub fn through(&self) -> Transmittance {
@@ -327,7 +333,7 @@ impl Default for Settings {
             transmittance: None,
             view: View::default(),
             tone_map: ToneMap::default(),
-            exposure: 0.,
+            exposure: None,
             ambient: Ambient { up: [0.03; 3], down: [0.03; 3] },
             fuzz: 0.,
             no_shadows: false,

@@ -297,3 +297,34 @@ fn broken_skies_are_refused_in_one_line() {
     assert_eq!(odd.warnings.len(), 2);
     assert!(Environment::new("few", 4, vec![[0.; 3]; 7]).is_err());
 }
+
+#[test]
+fn a_meter_reads_the_sky_the_lights_and_where_the_eye_is() {
+    use pdss::frame::meter::stops;
+    let eye = |yaw: f64| ball_from(yaw).camera;
+    let white = sky(|_| [1.; 3]);
+    // A white surface under a white sky of radiance 1 shows 1.
+    let plain = f64::from(stops(&white, &[], &eye(0.)));
+    assert!(plain.abs() < 0.01, "{plain}");
+    let bright = Environment { intensity: 8., ..white.clone() };
+    assert!((f64::from(stops(&bright, &[], &eye(0.))) - (plain - 3.)).abs() < 1e-4);
+    // As much light again from in front, the sun as bright as the sky's pi.
+    let sun = Light::directional(0., 0., std::f32::consts::PI);
+    let lit = f64::from(stops(&white, std::slice::from_ref(&sun), &eye(0.)));
+    let behind = f64::from(stops(&white, std::slice::from_ref(&sun), &eye(180.)));
+    println!("white sky {plain:.3}, sun in front {lit:.3}, behind {behind:.3} stops");
+    assert!((plain - lit - 1.).abs() < 0.1 && behind > lit + 0.3 && behind < plain);
+    // Sky and eye turned together see the same; the sky alone does not.
+    let uneven = sky(|d| [if d.z > 0. { 4. } else { 0.1 }; 3]);
+    let turned = Environment { rotation_deg: 70., ..uneven.clone() };
+    let [a, b, wrong] = [stops(&uneven, &[], &eye(0.)), stops(&turned, &[], &eye(70.)), stops(&turned, &[], &eye(0.))];
+    println!("half a sky {a:.3}, both turned {b:.3}, one turned {wrong:.3}");
+    assert!((a - b).abs() < 1e-3 && (a - wrong).abs() > 0.05);
+    assert_eq!(stops(&sky(|_| [0.; 3]), &[], &eye(0.)), 0.);
+}
+
+fn ball_from(yaw: f64) -> Set {
+    let mut set = ball(Method::Lambert, None);
+    set.camera = pdss::scene::Camera::orbit(yaw, 0., 90., None, 30., &set.scene);
+    set
+}

@@ -6,7 +6,7 @@ use super::{profiles, say};
 use clap::Args;
 use glam::DVec3;
 use pdss::cache::Cache;
-use pdss::frame::{Inputs, Output};
+use pdss::frame::{Inputs, Output, meter};
 use pdss::gpu::timing::TimingMode;
 use pdss::gpu::{Gpu, GpuError, Options};
 use pdss::scene::{Camera, Light, LoadOptions, Pose, Scene};
@@ -130,6 +130,14 @@ impl Stage {
             timing,
             output,
         }
+    }
+
+    /// Meters the light of a sky, unless the exposure is given, and says what came of it.
+    pub fn meter(&mut self) -> String {
+        if let (None, Some(sky)) = (self.settings.exposure, &self.scene.environment) {
+            self.settings.exposure = Some(meter::stops(sky, &self.lights, &self.camera));
+        }
+        format!("exposure {:+.2} stops", self.settings.exposure.unwrap_or(0.))
     }
 
     /// Whether the picture is made by lighting, and not of a target's numbers.

@@ -59,6 +59,7 @@ pub fn draw(view: &View, scenes: &[&str], cell: Size, samples: u32, output: &Pat
 /// One scene, sRGB RGBA.
 fn one(gpu: &Arc<Gpu>, view: &View, samples: u32) -> Result<Vec<u8>, Failure> {
     let mut stage = view.load()?;
+    stage.meter();
     let size = stage.size();
     let samples = if stage.lit() { samples } else { 1 };
     stage.settings.size = Size { width: size[0] * samples, height: size[1] * samples };

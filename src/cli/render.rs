@@ -146,6 +146,9 @@ impl Render {
             Format::Png => Output::Ldr,
             Format::Exr => Output::Linear,
         };
+        if format == Format::Png {
+            self.view.tell(&stage.meter());
+        }
         let most = gpu.limits().max_image_dimension2_d / size[0].max(size[1]);
         let samples = if stage.lit() && format == Format::Png { self.supersample.min(most).max(1) } else { 1 };
         stage.settings.size = Size { width: size[0] * samples, height: size[1] * samples };

@@ -56,7 +56,7 @@ fn frame_block(inputs: &Inputs<'_>, s: &Setup, lut_knee: f32, sky: f32) -> Frame
     block.light_unit = light_unit(&inputs.lights, sky, &inputs.scene.positions, &inputs.scene.bounds);
     block.ambient_mean = std::array::from_fn(|c| (up[c] + down[c]) / 2.);
     block.ambient_slope = std::array::from_fn(|c| (up[c] - down[c]) / 2.);
-    block.exposure = settings.exposure.exp2();
+    block.exposure = settings.exposure.unwrap_or(0.).exp2();
     block.length_mm = s.levels.length_mm as f32;
     block.up = view.transform_vector3(glam::Vec3::Y).to_array();
     block.lut_knee = lut_knee;

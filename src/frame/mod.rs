@@ -6,6 +6,7 @@ mod environment;
 mod inside;
 pub mod levels;
 mod mass;
+pub mod meter;
 mod overlay;
 pub mod resources;
 pub mod setup;
