@@ -1,4 +1,4 @@
-// translucent: viewz, normal, mass, shadow, and light blurred on the screen (with DETAIL by the triangles' normals, too) -> in its place, of one level:
+// translucent: viewz, normal, mass, sparse, and light blurred on the screen (with DETAIL by the triangles' normals, too) -> in its place, of one level:
 // variants: plain DETAIL=0; detail DETAIL=1
 // what a Gaussian of the profile gathers of the light that enters the
 // surface, hidden parts included, of up to two directional lights (those with a slot), over the kernel's mass.
@@ -19,6 +19,7 @@
 
 layout(constant_id = 0) const int STRIDE = 1;
 layout(constant_id = 1) const int TAPS = 32;
+layout(constant_id = 3) const int STEP = 8;               // texels of the shadow map between those that are there
 layout(constant_id = 2) const int GATHERED = 0;           // which of the gathered levels this is
 
 layout(push_constant, scalar) uniform Push {
@@ -34,7 +35,7 @@ layout(set = 0, binding = 7, rgb10_a2) uniform readonly image2D mass;
 #if DETAIL
 layout(set = 0, binding = 5, r32ui) uniform readonly uimage2D blurred_geo;
 #endif
-layout(set = 0, binding = 29) uniform sampler2DArray shadow;
+layout(set = 0, binding = 9, r32f) uniform readonly image2DArray sparse;
 
 // Rows of a directional light's matrix are its axes over the half extents of its box; the third maps onto 0..1.
 float row_length(mat4 m, int row) {
@@ -48,7 +49,10 @@ float gathered(int layer, vec3 position, vec3 n, float c) {
     vec3 s = (m * vec4(position, 1.)).xyz;
     vec2 scale = sqrt(push.variance) * .5 * vec2(row_length(m, 0), row_length(m, 1));
     float falloff = sqrt(.5 * 1.44269504 / push.variance) / row_length(m, 2);
-    vec2 at = s.xy * .5 + .5;
+    // In texels of what is there; what was kept of a cell is half a texel of the shadow map past its middle.
+    int side = imageSize(sparse).x;
+    vec2 at = (s.xy * .5 + .5) * float(side) - .5 / float(STEP);
+    scale *= float(side);
     vec2 slope = vec2(dot(n, vec3(m[0][0], m[1][0], m[2][0])) / row_length(m, 0), dot(n, vec3(m[0][1], m[1][1], m[2][1])) / row_length(m, 1));
     slope *= sqrt(.5 * 1.44269504) / max(c, 1e-3);
     // Vogel's spiral: equal areas turned by the golden angle, stretched to a Gaussian.
@@ -57,10 +61,11 @@ float gathered(int layer, vec3 position, vec3 n, float c) {
     float sum = 0., plane = 0., both = 0., square = 0.;
     for (int i = 0; i < TAPS; ++i) {
         float radius = sqrt(-1.38629436 * log2(1. - (float(i) + .5) / float(TAPS)));
-        vec2 offset = direction * radius;
-        float depth = textureLod(shadow, vec3(at + offset * scale, float(layer)), 0.).r;
+        vec2 cell = floor(at + direction * radius * scale), offset = (cell + .5 - at) / scale;
+        bool inside = all(greaterThanEqual(cell, vec2(0.))) && all(lessThan(cell, vec2(side)));
+        float depth = imageLoad(sparse, ivec3(clamp(ivec2(cell), 0, side - 1), layer)).r;
         float dz = (depth - s.z) * falloff, dp = dot(offset, slope);
-        float f = depth > 0. ? exp2(-min(dz * dz, 80.)) : 0., p = exp2(-min(dp * dp, 80.));
+        float f = inside && depth > 0. ? exp2(-min(dz * dz, 80.)) : 0., p = exp2(-min(dp * dp, 80.));
         sum += f;
         plane += p;
         both += f * p;

@@ -4,6 +4,8 @@
 
 #[path = "skin/burley.rs"]
 mod burley;
+#[path = "skin/fewer.rs"]
+mod fewer;
 #[path = "skin/lut.rs"]
 mod lut;
 #[path = "skin/moments.rs"]

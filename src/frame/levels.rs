@@ -2,7 +2,7 @@
 
 use super::uniforms::MAX_LEVELS;
 use crate::settings::{Method, Quality, Resolution, Settings};
-use crate::skin::profile::{Gaussian, Profile};
+use crate::skin::profile::{Gaussian, Profile, fewer};
 
 /// A Gaussian whose sigma covers fewer pixels than this is not told from a point: its rms radius projects below one pixel.
 pub const LEAST_SIGMA_PX: f64 = 0.7;
@@ -12,6 +12,9 @@ pub const MOST_GATHERED: usize = 3;
 
 /// A Gaussian whose sigma covers fewer texels of a shadow map is not gathered from it.
 const LEAST_SIGMA_TEXELS: f64 = 3.;
+
+/// A sigma covers so many texels at least of what is kept of the shadow map for gathering.
+const LEAST_SIGMA_SPARSE: f64 = 1.5;
 
 /// Each of these that a step exceeds asks for one more pass.
 const LONG_STEPS_TEXELS: [f64; 3] = [12., 24., 48.];
@@ -85,15 +88,16 @@ impl Levels {
         out
     }
 
-    /// `moments`: a level a Gaussian, of those that a pixel can tell from a point; at most `count`.
+    /// `moments`: a level a Gaussian, of those that a pixel can tell from a point, or of fewer that come near them: `count` at most.
     fn per_gaussian(&mut self, gaussians: Vec<Gaussian>, count: u32, pixels: Magnification) {
+        let least = (LEAST_SIGMA_PX / pixels.nearest).powi(2);
         let (narrow, wide): (Vec<_>, Vec<_>) =
-            gaussians.into_iter().partition(|g| g.variance.sqrt() * pixels.nearest < LEAST_SIGMA_PX);
+            fewer(&gaussians, count as usize, least).into_iter().partition(|g| g.variance < least);
         for g in narrow {
             (0..3).for_each(|c| self.sharp[c] += g.weight[c]);
             self.below_a_pixel.push(g.variance);
         }
-        for g in merge(wide, count) {
+        for g in wide {
             self.levels.push(Level {
                 variance: g.variance,
                 weight: g.weight,
@@ -137,11 +141,13 @@ impl Levels {
         let fixed = settings.resolution.map(Resolution::stride);
         // Beyond a silhouette a coarse texel has nothing to interpolate from, so high quality stops at a stride of two: at four
         // pdss on a small torus loses a tenth (.0219 rms against .0197).
-        let (texels_per_sigma, coarsest) = match settings.quality {
-            Quality::Low => (0.8, 4),
-            Quality::Medium => (1.2, 4),
-            Quality::High => (1.5, 2),
-            Quality::Ultra => (f64::INFINITY, 1),
+        let (texels_per_sigma, coarsest) = match (settings.quality, settings.method) {
+            (Quality::Low, Method::Moments) => (1.2, 4),
+            (Quality::Low, _) => (0.8, 4),
+            (Quality::Medium, Method::Moments) => (1.5, 4),
+            (Quality::Medium, _) => (1.2, 4),
+            (Quality::High, _) => (1.5, 2),
+            (Quality::Ultra, _) => (f64::INFINITY, 1),
         };
         let mut stride = 1;
         for level in &mut self.levels {
@@ -165,6 +171,13 @@ impl Levels {
             let sigma = level.variance.sqrt();
             level.gathered = sigma >= (LEAST_SIGMA_TEXELS * texel_mm).max(0.25 * self.length_mm);
         }
+    }
+
+    /// One texel in so many of the shadow maps, along each axis, serves the gathered levels: a power of two.
+    pub fn sparse_step(&self, texel_mm: f64) -> u32 {
+        let narrowest = self.levels.iter().find(|l| l.gathered).map_or(0., |l| l.variance.sqrt());
+        let step = (narrowest / (LEAST_SIGMA_SPARSE * texel_mm)).clamp(2., 16.);
+        1 << step.log2() as u32
     }
 
     /// Passes that reach each level's variance from the one before. A long step is seen: where a tap falls off a silhouette,
@@ -207,6 +220,7 @@ fn most_levels(settings: &Settings) -> u32 {
     let by_quality = match (settings.method, settings.quality) {
         (Method::Moments, Quality::Low) => 2,
         (Method::Moments, Quality::Medium) => 3,
+        (Method::Moments, Quality::High) => 4,
         (Method::Moments, _) => MAX_LEVELS as u32,
         (_, Quality::Low) => 1,
         (_, Quality::Medium) => 2,
@@ -215,28 +229,6 @@ fn most_levels(settings: &Settings) -> u32 {
     settings.passes.map_or(by_quality, |p| {
         if settings.method == Method::Pdss { p.min(MAX_LEVELS as u32) } else { by_quality.min(p.max(1)) }
     })
-}
-
-/// At most `count` Gaussians: the neighbours whose union moves least energy least far are merged, their weights added and
-/// their variances averaged by weight.
-pub(crate) fn merge(mut gaussians: Vec<Gaussian>, count: u32) -> Vec<Gaussian> {
-    gaussians.retain(|g| g.weight.iter().any(|w| *w > 0.));
-    gaussians.sort_by(|a, b| a.variance.total_cmp(&b.variance));
-    let energy = |g: &Gaussian| g.weight.iter().sum::<f64>();
-    while gaussians.len() > count as usize {
-        let cost = |i: usize| {
-            let (a, b) = (&gaussians[i], &gaussians[i + 1]);
-            let (ea, eb) = (energy(a), energy(b));
-            ea * eb / (ea + eb) * (b.variance.sqrt() - a.variance.sqrt()).powi(2)
-        };
-        let Some(i) = (0..gaussians.len() - 1).min_by(|a, b| cost(*a).total_cmp(&cost(*b))) else { break };
-        let b = gaussians.remove(i + 1);
-        let a = &mut gaussians[i];
-        let (ea, eb) = (energy(a), energy(&b));
-        a.variance = (a.variance * ea + b.variance * eb) / (ea + eb);
-        (0..3).for_each(|c| a.weight[c] += b.weight[c]);
-    }
-    gaussians
 }
 
 #[cfg(test)]

@@ -81,6 +81,8 @@ pub struct Setup {
     pub detail: bool,
     /// Samples of each gathered Gaussian.
     pub taps: u32,
+    /// One texel in so many of the shadow maps is gathered from, along each axis.
+    pub sparse_step: u32,
     /// The scene's texture coordinates, where the method works over them.
     pub atlas: Option<Atlas>,
     /// Part of a sheet's side that lies beside the unit square.
@@ -237,6 +239,7 @@ impl Setup {
         {
             levels.gather(f64::from(texel));
         }
+        let sparse_step = shadows.gatherable(&inputs.lights).map_or(2, |texel| levels.sparse_step(f64::from(texel)));
         let mass = levels.levels.iter().any(|l| l.gathered);
         let normal_maps = used(&|m| m.normal_texture.is_some()) && !scene.tangents.is_empty();
         let missing = if soft && !blurred {
@@ -293,6 +296,7 @@ impl Setup {
             mass,
             detail,
             taps,
+            sparse_step,
             levels,
             kernel,
             behind,
@@ -363,8 +367,8 @@ impl Setup {
 fn gather_taps(settings: &Settings) -> u32 {
     match (settings.method, settings.quality) {
         _ if settings.no_translucent => 0,
-        (Method::Moments, Quality::Medium) => 32,
-        (Method::Moments, Quality::High) => 64,
+        (Method::Moments, Quality::Low) => 32,
+        (Method::Moments, Quality::Medium | Quality::High) => 64,
         (Method::Moments, Quality::Ultra) => 128,
         _ => 0,
     }

@@ -1,11 +1,10 @@
 //! Screen-space diffusion by a sum of Gaussians (Jimenez, Sundstedt & Gutierrez 2009; Jimenez & Gutierrez 2010): irradiance is
 //! blurred by a separable pair of passes for each Gaussian of the profile, and the results are weighted per channel.
 
-use crate::frame::levels::merge;
 use crate::frame::setup::Setup;
 use crate::plan::Plan;
 use crate::settings::Quality;
-use crate::skin::profile::Profile;
+use crate::skin::profile::{Profile, fewer};
 use crate::stages::{combine, gaussians, gbuffer, irradiance, layer, shadow, tiles, transmittance};
 
 /// The frame.
@@ -21,7 +20,7 @@ pub fn frame(p: &mut Plan, s: &Setup) {
 }
 
 /// Gaussians at most: two for skin seen from afar, four as in GPU Pro 2010, then all of the six of d'Eon & Luebke 2007.
-fn most(quality: Quality) -> u32 {
+fn most(quality: Quality) -> usize {
     match quality {
         Quality::Low => 2,
         Quality::Medium => 4,
@@ -32,14 +31,14 @@ fn most(quality: Quality) -> u32 {
 /// Entry 0 holds the weight of what no pixel can tell from a point, the others a Gaussian each: weight, and the sigma (mm)
 /// that its pair of passes adds to the pair before.
 pub fn kernel(quality: Quality, profile: &Profile, least_sigma_mm: f64) -> Vec<[f64; 4]> {
-    let (narrow, wide): (Vec<_>, Vec<_>) =
-        profile.gaussians().gaussians.into_iter().partition(|g| g.variance.sqrt() < least_sigma_mm);
+    let few = fewer(&profile.gaussians().gaussians, most(quality), least_sigma_mm.powi(2));
+    let (narrow, wide): (Vec<_>, Vec<_>) = few.into_iter().partition(|g| g.variance.sqrt() < least_sigma_mm);
     let mut entries = vec![[0.; 4]];
     for g in narrow {
         (0..3).for_each(|c| entries[0][c] += g.weight[c]);
     }
     let mut before = 0.;
-    for g in merge(wide, most(quality)) {
+    for g in wide {
         let [red, green, blue] = g.weight;
         entries.push([red, green, blue, (g.variance - before).sqrt()]);
         before = g.variance;

@@ -4,7 +4,7 @@
 use crate::frame::setup::Setup;
 use crate::plan::Plan;
 use crate::settings::{Quality, Settings};
-use crate::skin::profile::{Gaussian, Profile};
+use crate::skin::profile::{Gaussian, Profile, fewer};
 use crate::stages::{combine, entrance, gather, gbuffer, irradiance, layer, sheets, tiles, unwrap};
 
 /// The frame.
@@ -43,14 +43,14 @@ const LEAST_SIGMA_TEXELS: f64 = 0.5;
 /// each: weight, and the sigma (mm) that its pair of passes adds to the pair before.
 pub fn kernel(settings: &Settings, profile: &Profile, least_sigma_mm: f64, texel_mm: f64) -> Vec<[f64; 4]> {
     let least = least_sigma_mm.max(LEAST_SIGMA_TEXELS * texel_mm);
-    let (narrow, wide): (Vec<Gaussian>, Vec<Gaussian>) =
-        profile.gaussians().gaussians.into_iter().partition(|g| g.variance.sqrt() < least);
+    let few = fewer(&profile.gaussians().gaussians, effort(settings.quality).1, least.powi(2));
+    let (narrow, wide): (Vec<Gaussian>, Vec<Gaussian>) = few.into_iter().partition(|g| g.variance.sqrt() < least);
     let mut entries = vec![[0.; 4]];
     for g in narrow {
         (0..3).for_each(|c| entries[0][c] += g.weight[c]);
     }
     let mut before = 0.;
-    for g in crate::frame::levels::merge(wide, effort(settings.quality).1 as u32) {
+    for g in wide {
         let [red, green, blue] = g.weight;
         entries.push([red, green, blue, (g.variance - before).sqrt()]);
         before = g.variance;

@@ -204,7 +204,7 @@ impl Plan {
 
     /// Declares an image of another format or with layers.
     pub fn image_as(&mut self, name: &str, format: vk::Format, size: [u32; 2], layers: u32) {
-        let array = matches!(name, "shadow" | "entrance");
+        let array = matches!(name, "shadow" | "entrance" | "sparse");
         let name = self.own(name);
         let mut desc = ImageDesc::new(&name, format, size, vk::ImageUsageFlags::empty());
         (desc.layers, desc.array) = (layers, array);

@@ -21,6 +21,7 @@ pub mod seams;
 pub mod separable;
 pub mod shadow;
 pub mod sheets;
+pub mod sparse;
 pub mod tiles;
 pub mod tonemap;
 pub mod translucent;

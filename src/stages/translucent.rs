@@ -31,6 +31,7 @@ pub fn level(plan: &mut Plan, s: &Setup, i: usize) {
         .compute(&format!("translucent{i}"), shader, tiles::scattering(level.stride))
         .constant("STRIDE", level.stride)
         .constant("TAPS", s.taps)
+        .constant("STEP", s.sparse_step)
         .constant("GATHERED", i as u32 - s.levels.first_gathered())
         .bind("soft", format!("soft{i}"))
         .bind("normal", if s.detail { "facet" } else { "normal" })

@@ -24,10 +24,12 @@
 //! sigma_a_per_mm = [0.032, 0.17, 0.48]
 //! ```
 
+mod fewer;
 mod file;
 mod fit;
 mod volume;
 
+pub use fewer::{distance, fewer};
 pub use file::ProfileError;
 pub use fit::{Fit, MAX_LEVELS};
 pub use volume::single_albedo;

@@ -1,0 +1,18 @@
+//! sparse: shadow -> sparse. The shadow maps of the lights with a slot, a texel in so many, small enough for a cache: what wide
+//! levels gather from.
+
+use crate::frame::setup::Setup;
+use crate::plan::{Domain, Plan};
+use crate::{shaders, targets};
+use ash::vk;
+
+/// Adds the pass, where light is gathered.
+pub fn add(plan: &mut Plan, s: &Setup) {
+    if !s.mass {
+        return;
+    }
+    let (side, slots) = (s.shadows.size / s.sparse_step, s.shadows.slots as u32);
+    let format = targets::describe("sparse").map_or(vk::Format::R32_SFLOAT, |t| t.format);
+    plan.image_as("sparse", format, [side; 2], slots);
+    plan.compute("sparse", &shaders::SPARSE, Domain::Threads([side, side * slots])).constant("STEP", s.sparse_step);
+}
