@@ -30,7 +30,7 @@ fn set(scene: Arc<Scene>, camera: [f64; 3], fov: f64) -> Set {
     set.camera = Camera::orbit(camera[0], camera[1], camera[2], None, fov, &scene);
     set.scene = scene;
     set.profile = Some(Profile::resolve("skin").expect("a profile"));
-    set.settings.quality = Quality::High;
+    set.settings.quality = Quality::Ultra;
     set.lights.truncate(0);
     set
 }

@@ -234,7 +234,7 @@ fn a_calibrated_device_chooses_and_says_why() -> Outcome {
     assert!(out.status.success(), "{}", stderr(&out));
     assert!(String::from_utf8_lossy(&out.stdout).contains("gaussians"));
     let rich = render(&["--budget-ms", "100000"])?;
-    assert!(rich.status.success() && stderr(&rich).contains("gaussians low: error "), "{}", stderr(&rich));
+    assert!(rich.status.success() && stderr(&rich).contains("moments low: error "), "{}", stderr(&rich));
     let fast = render(&["--max-error", "1"])?;
     assert!(fast.status.success() && stderr(&fast).contains(" ms expected, "), "{}", stderr(&fast));
     let cases: [(&[&str], &str); 4] = [

@@ -1,4 +1,4 @@
-//! translucent: viewz, normal, shadow, and softlit + softgeo with normal maps -> softlit, for the wide levels. Light found in the
+//! translucent: viewz, normal, sparse, and softlit + softgeo with normal maps -> softlit, for the wide levels. Light found in the
 //! shadow map, hidden parts of the surface included.
 
 use super::tiles;
@@ -12,7 +12,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         let why = if s.several {
             "several profiles scatter, and a shadow map does not say by which its surface does"
         } else if s.taps == 0 {
-            "light is blurred on the screen alone at low quality or with --no-translucent"
+            "light is blurred on the screen alone with --no-translucent"
         } else if s.shadows.slots == 0 {
             "no light casts a shadow"
         } else {
