@@ -147,13 +147,10 @@ fn free(held: &[usize], variances: &[f64], pull: &[f64], sum: Option<f64>) -> Op
         if rows[k][k].abs() < 1e-14 {
             return None;
         }
-        for r in 0..n {
-            if r != k {
-                let f = rows[r][k] / rows[k][k];
-                for c in k..=n {
-                    rows[r][c] -= f * rows[k][c];
-                }
-            }
+        let pivot = rows[k].clone();
+        for (_, row) in rows.iter_mut().enumerate().filter(|(r, _)| *r != k) {
+            let f = row[k] / pivot[k];
+            row.iter_mut().zip(&pivot).for_each(|(x, p)| *x -= f * p);
         }
     }
     Some((0..held.len()).map(|k| rows[k][n] / rows[k][k]).collect())
