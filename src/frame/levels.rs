@@ -95,7 +95,10 @@ impl Levels {
             fewer(&gaussians, count as usize, least).into_iter().partition(|g| g.variance < least);
         for g in narrow {
             (0..3).for_each(|c| self.sharp[c] += g.weight[c]);
-            self.below_a_pixel.push(g.variance);
+            // What stays where it is has been left out by nobody.
+            if g.variance > 0. {
+                self.below_a_pixel.push(g.variance);
+            }
         }
         for g in wide {
             self.levels.push(Level {
