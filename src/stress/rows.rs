@@ -20,7 +20,13 @@ mod known {
         ("burley", "p99", "samples are turned by the pixel's place in the picture, as published: a crop turns them otherwise, by as much as they err"),
     ];
     pub const ALONE: Known = &[("preintegrated", "behind lit", "it gathers nothing, so that nothing near can reach it: there is no wrong input")];
-    pub const INSIDE: Known = &[("separable", "", "transmittance takes the first surface that the shadow map holds for the one where light enters; from inside there is none")];
+    const FIRST: &str = "transmittance takes the first surface that the shadow map holds for the one where light enters; from inside there is none";
+    pub const INSIDE: Known = &[
+        ("preintegrated", "largest exitance", FIRST),
+        ("gaussians", "largest exitance", FIRST),
+        ("separable", "largest exitance", FIRST),
+        ("burley", "largest exitance", FIRST),
+    ];
 }
 use known::{ALONE, BUMPS, GLOW, INSIDE, METAL, QUADS};
 
