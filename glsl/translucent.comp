@@ -19,8 +19,8 @@
 
 layout(constant_id = 0) const int STRIDE = 1;
 layout(constant_id = 1) const int TAPS = 32;
-layout(constant_id = 3) const int STEP = 8;               // texels of the shadow map between those that are there
 layout(constant_id = 2) const int GATHERED = 0;           // which of the gathered levels this is
+layout(constant_id = 3) const int STEP = 8;               // every so many-th texel of the shadow map is there
 
 layout(push_constant, scalar) uniform Push {
     float variance;        // mm^2

@@ -72,14 +72,14 @@ pub enum Transmittance {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quality {
-    /// One wide level, as coarse as its width allows, down to a quarter.
+    /// `pdss` one wide level, `moments` two, as coarse as their widths allow, down to a quarter.
     Low,
-    /// Two wide levels, down to a quarter.
+    /// `pdss` two levels, `moments` three, down to a quarter.
     #[default]
     Medium,
-    /// All levels, wide ones at half resolution.
+    /// `pdss` three levels, `moments` four, wide ones at half resolution.
     High,
-    /// All levels at full resolution, a pass more each, shadow maps of twice the size.
+    /// All levels, at full resolution, a pass more each, shadow maps of twice the size.
     Ultra,
 }
 

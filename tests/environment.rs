@@ -3,9 +3,9 @@
 mod studio;
 
 use glam::{Mat3, Vec3};
-use pdss::frame::Renderer;
+use pdss::frame::{Renderer, meter};
 use pdss::gpu::Gpu;
-use pdss::scene::{Alpha, Environment, Light, LightKind, SceneError};
+use pdss::scene::{Alpha, Camera, Environment, Light, LightKind, SceneError};
 use pdss::settings::{Ambient, Method, Quality, View};
 use pdss::skin::profile::Profile;
 use pdss::skin::sky::direction;
@@ -201,7 +201,7 @@ fn another_eye_sees_the_same_sky_without_recording() {
     for method in METHODS {
         let here = colored(ball(method, Some(sky(gentle))), 0.8, 0.3, 0.4);
         let mut there = here.clone();
-        there.camera = pdss::scene::Camera::orbit(120., 30., 90., None, 30., &there.scene);
+        there.camera = Camera::orbit(120., 30., 90., None, 30., &there.scene);
         let (first, fresh) = (here.linear(&gpu), there.linear(&gpu));
         let mut renderer = Renderer::new(&gpu, here.inputs()).expect("a frame");
         assert!(renderer.look(&there.inputs()).expect("a plan"), "{method:?}");
@@ -236,7 +236,7 @@ fn the_sky_behind_shows_where_nothing_is() {
         // Straight ahead of an eye in +Z lies -Z, the picture's edge: red; what is up is green.
         let painted = sky(|d| if d.z < -0.5 { [2., 0., 0.] } else { [0., 1. + d.y, 0.] });
         let mut set = ball(method, Some(Environment { background: Some(0.), ..painted }));
-        set.camera = pdss::scene::Camera::orbit(0., 0., 90., None, 30., &set.scene);
+        set.camera = Camera::orbit(0., 0., 90., None, 30., &set.scene);
         let picture = set.linear(&gpu);
         let corner = picture.texels[0];
         assert!(corner[0] > 1.9 && corner[1] < 0.05 && corner[3] == 1., "{method:?}: {corner:?}");
@@ -300,7 +300,7 @@ fn broken_skies_are_refused_in_one_line() {
 
 #[test]
 fn a_meter_reads_the_sky_the_lights_and_where_the_eye_is() {
-    use pdss::frame::meter::stops;
+    let stops = |sky: &Environment, lights: &[Light], eye: &Camera| meter::stops(sky, lights, Vec3::ZERO, eye);
     let eye = |yaw: f64| ball_from(yaw).camera;
     let white = sky(|_| [1.; 3]);
     // A white surface under a white sky of radiance 1 shows 1.
@@ -314,6 +314,12 @@ fn a_meter_reads_the_sky_the_lights_and_where_the_eye_is() {
     let behind = f64::from(stops(&white, std::slice::from_ref(&sun), &eye(180.)));
     println!("white sky {plain:.3}, sun in front {lit:.3}, behind {behind:.3} stops");
     assert!((plain - lit - 1.).abs() < 0.1 && behind > lit + 0.3 && behind < plain);
+    // A lamp, and the scene as far from it somewhere else.
+    let lamp =
+        |x: f32| Light { kind: LightKind::Point { position: [x, 0., 1000.].into() }, intensity: 9., ..sun.clone() };
+    let [near, moved, wrong] = [([0.; 3], 0.), ([4000., 0., 0.], 4000.), ([0.; 3], 4000.)]
+        .map(|(place, x)| meter::stops(&white, &[lamp(x)], place.into(), &eye(0.)));
+    assert!((near - moved).abs() < 1e-4 && (near - wrong).abs() > 0.3, "{near} {moved} {wrong}");
     // Sky and eye turned together see the same; the sky alone does not.
     let uneven = sky(|d| [if d.z > 0. { 4. } else { 0.1 }; 3]);
     let turned = Environment { rotation_deg: 70., ..uneven.clone() };
@@ -325,6 +331,6 @@ fn a_meter_reads_the_sky_the_lights_and_where_the_eye_is() {
 
 fn ball_from(yaw: f64) -> Set {
     let mut set = ball(Method::Lambert, None);
-    set.camera = pdss::scene::Camera::orbit(yaw, 0., 90., None, 30., &set.scene);
+    set.camera = Camera::orbit(yaw, 0., 90., None, 30., &set.scene);
     set
 }

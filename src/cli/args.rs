@@ -135,7 +135,7 @@ impl Stage {
     /// Meters the light of a sky, unless the exposure is given, and says what came of it.
     pub fn meter(&mut self) -> String {
         if let (None, Some(sky)) = (self.settings.exposure, &self.scene.environment) {
-            self.settings.exposure = Some(meter::stops(sky, &self.lights, &self.camera));
+            self.settings.exposure = Some(meter::stops(sky, &self.lights, self.scene.bounds.center(), &self.camera));
         }
         format!("exposure {:+.2} stops", self.settings.exposure.unwrap_or(0.))
     }

@@ -168,18 +168,15 @@ impl Levels {
         self.levels.iter().take_while(|l| !l.gathered).count() as u32
     }
 
-    /// The widest levels are gathered where a sigma covers enough texels of the shadow maps, each `texel_mm` wide.
-    pub fn gather(&mut self, texel_mm: f64) {
+    /// The widest levels are gathered where a sigma covers enough texels of the shadow maps, each `texel_mm` wide. One texel in so
+    /// many along each axis serves them: a power of two; 0 where no level is gathered.
+    pub fn gather(&mut self, texel_mm: f64) -> u32 {
         for level in self.levels.iter_mut().rev().take(MOST_GATHERED) {
             let sigma = level.variance.sqrt();
             level.gathered = sigma >= (LEAST_SIGMA_TEXELS * texel_mm).max(0.25 * self.length_mm);
         }
-    }
-
-    /// One texel in so many of the shadow maps, along each axis, serves the gathered levels: a power of two.
-    pub fn sparse_step(&self, texel_mm: f64) -> u32 {
-        let narrowest = self.levels.iter().find(|l| l.gathered).map_or(0., |l| l.variance.sqrt());
-        let step = (narrowest / (LEAST_SIGMA_SPARSE * texel_mm)).clamp(2., 16.);
+        let Some(narrowest) = self.levels.iter().find(|l| l.gathered) else { return 0 };
+        let step = (narrowest.variance.sqrt() / (LEAST_SIGMA_SPARSE * texel_mm)).clamp(2., 16.);
         1 << step.log2() as u32
     }
 

@@ -8,7 +8,7 @@ use super::view::ViewFacts;
 use super::{FrameError, Inputs};
 use crate::methods::{self, texture_space};
 use crate::scene::{Alpha, Atlas, Filled, Light, LightKind, gutter, is_convex};
-use crate::settings::{Method, Quality, Settings, Spared, Texturing, Transmittance, View};
+use crate::settings::{Curvature, Method, Quality, Settings, Spared, Texturing, Transmittance, View};
 use crate::skin::profile::Profile;
 use crate::skin::specular::Lobes;
 use ash::vk;
@@ -81,7 +81,7 @@ pub struct Setup {
     pub detail: bool,
     /// Samples of each gathered Gaussian.
     pub taps: u32,
-    /// One texel in so many of the shadow maps is gathered from, along each axis.
+    /// One texel in so many of the shadow maps is gathered from, along each axis; 0 where nothing is.
     pub sparse_step: u32,
     /// The scene's texture coordinates, where the method works over them.
     pub atlas: Option<Atlas>,
@@ -206,8 +206,9 @@ impl Setup {
         let lit = matches!(settings.view, View::Final | View::Ao);
         let asked = ((ambient || shines) && !settings.no_ao) || settings.view == View::Ao;
         let asked = lit && asked && !levels.levels.is_empty();
-        // A concave scene shows it in its first triangles.
-        let convex = asked && before.map_or_else(|| is_convex(scene), |b| b.convex);
+        // Other estimators see edges and contours as hollows.
+        let metric = settings.curvature == Curvature::Metric;
+        let convex = asked && metric && before.map_or_else(|| is_convex(scene), |b| b.convex);
         let ao = asked && (!convex || settings.view == View::Ao || back(Spared::Occlusion));
         let wanted = settings.view == View::Curvature || settings.view == View::SoftCurvature;
         let bent = match settings.method {
@@ -233,13 +234,8 @@ impl Setup {
         }
         // A shadow map does not say by which profile its surface scatters.
         let taps = if several { 0 } else { gather_taps(settings) };
-        if taps > 0
-            && is_lit(settings.view)
-            && let Some(texel) = shadows.gatherable(&inputs.lights)
-        {
-            levels.gather(f64::from(texel));
-        }
-        let sparse_step = shadows.gatherable(&inputs.lights).map_or(2, |texel| levels.sparse_step(f64::from(texel)));
+        let texel = shadows.gatherable(&inputs.lights).filter(|_| taps > 0 && is_lit(settings.view));
+        let sparse_step = texel.map_or(0, |texel| levels.gather(f64::from(texel)));
         let mass = levels.levels.iter().any(|l| l.gathered);
         let normal_maps = used(&|m| m.normal_texture.is_some()) && !scene.tangents.is_empty();
         let missing = if soft && !blurred {

@@ -15,7 +15,7 @@ pub fn frame(p: &mut Plan, s: &Setup) {
     tiles::add(p, s); //         viewz                           -> tile lists
     irradiance::add(p, s); //    G-buffer shadow                 -> irradiance reflected
     transmittance::add(p, s); // viewz normal albedo shadow      -> irradiance
-    gaussians::add(p, s); //        viewz irradiance                -> scattered
+    gaussians::add(p, s); //     viewz irradiance                -> scattered
     combine::add(p, s); //       G-buffer scattered reflected    -> ldr or exr
 }
 

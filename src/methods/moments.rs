@@ -11,10 +11,10 @@ pub fn frame(p: &mut Plan, s: &Setup) {
     gbuffer::add(p, s); //    meshes                                -> viewz normal albedo material bumped mass
     layer::add(p, s); //      viewz                                 -> viewz of each, of several profiles
     tiles::add(p, s); //      viewz                                 -> tile lists
-    sparse::add(p, s); //    shadow                                -> sparse (every so many-th texel)
+    sparse::add(p, s); //     shadow                                -> sparse      (a texel in so many)
     visibility::add(p, s); // viewz normal shadow                   -> lit
     curvature::add(p, s); //  viewz normal                          -> curvature   (for ambient occlusion)
-    translucent::add(p, s); //viewz normal mass shadow softlit      -> softlit..  (wide levels, each between two of the blur's)
+    translucent::add(p, s); //viewz normal mass sparse softlit      -> softlit..  (wide levels, each between two of the blur's)
     blur::add(p, s); //       viewz normal curvature lit            -> soft0.. softlit0..
     light::add(p, s); //      G-buffer soft softlit                 -> ldr or exr
 }

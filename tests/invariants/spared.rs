@@ -48,7 +48,11 @@ pub fn left_out(gpu: &Arc<Gpu>) -> Vec<Outcome> {
         s.environment = Some(Arc::new(Environment { intensity: 0., background: Some(0.3), ..sky }));
     };
     // The first few for all methods.
-    let cases: [Change<'_>; 14] = [
+    let pipe = |s: &mut Set| {
+        s.scene = shape("shape:cylinder:40");
+        s.camera = Camera::orbit(30., 50., 250., None, 30., &s.scene);
+    };
+    let cases: [Change<'_>; 15] = [
         ("as it is", &|_| {}),
         ("no ambient", &dark),
         ("a point light", &point),
@@ -61,6 +65,7 @@ pub fn left_out(gpu: &Arc<Gpu>) -> Vec<Outcome> {
         ("no ambient occlusion", &|s| s.settings.no_ao = true),
         ("medium quality", &|s| s.settings.quality = Quality::Medium),
         ("still", &|s| s.settings.still = true),
+        ("a pipe that is seen from inside", &pipe),
         ("a ball", &|s| s.scene = shape("shape:sphere:70")),
         ("a body that is almost flat", &|s| s.scene = shape("shape:ellipsoid:120,60,4")),
     ];

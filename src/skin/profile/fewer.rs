@@ -6,15 +6,8 @@
 //! -sum a_i a_j sqrt(2 (v_i + v_j) / pi).
 
 use super::Gaussian;
+use super::fit::{DICTIONARY, choose};
 use std::f64::consts::PI;
-
-/// Variances to choose from, in equal ratios.
-const CHOICE: usize = 40;
-/// Rounds of exchange; three have been enough.
-const ROUNDS: usize = 8;
-
-/// Weights of one channel and what they leave of the distance.
-type Solved = (Vec<f64>, f64);
 
 /// The energy distance between two mixtures along one axis, mm, summed over the channels. Each channel's weights must sum to the
 /// same in both.
@@ -33,34 +26,18 @@ pub fn distance(one: &[Gaussian], other: &[Gaussian]) -> f64 {
 pub fn fewer(gaussians: &[Gaussian], most: usize, least: f64) -> Vec<Gaussian> {
     let mut sorted: Vec<Gaussian> = gaussians.iter().copied().filter(|g| g.weight.iter().any(|w| *w > 0.)).collect();
     sorted.sort_by(|a, b| a.variance.total_cmp(&b.variance));
-    let narrow = sorted.iter().filter(|g| g.variance < least).count();
+    let narrow = sorted.iter().filter(|g| g.variance < least || g.variance == 0.).count();
     let widest = sorted.last().map_or(0., |g| g.variance);
-    if most == 0 || widest < least || widest == 0. || sorted.len() - narrow <= most {
+    if most == 0 || sorted.len() - narrow <= most {
         return sorted;
     }
     let low = sorted[narrow].variance;
-    let choice: Vec<f64> = (0..CHOICE).map(|i| low * (widest / low).powf(i as f64 / (CHOICE - 1) as f64)).collect();
-    let cost = |levels: &[usize]| -> f64 {
+    let choice: [f64; DICTIONARY] =
+        std::array::from_fn(|i| low * (widest / low).powf(i as f64 / (DICTIONARY - 1) as f64));
+    let levels = choose(most, |levels| {
         let variances: Vec<f64> = levels.iter().map(|&i| choice[i]).collect();
         (0..3).map(|c| solve(&sorted, c, &variances).1).sum()
-    };
-    let mut levels: Vec<usize> = Vec::with_capacity(most);
-    let mut reached = f64::INFINITY;
-    while levels.len() < most {
-        levels.push(0);
-        let last = levels.len() - 1;
-        reached = exchange(&mut levels, last, f64::INFINITY, &cost);
-    }
-    for _ in 0..ROUNDS {
-        let before = reached;
-        for i in 0..levels.len() {
-            reached = exchange(&mut levels, i, reached, &cost);
-        }
-        if reached >= before {
-            break;
-        }
-    }
-    levels.sort_unstable();
+    });
     let variances: Vec<f64> = levels.iter().map(|&i| choice[i]).collect();
     let weights: [Vec<f64>; 3] = std::array::from_fn(|c| solve(&sorted, c, &variances).0);
     let places = std::iter::once(0.).chain(variances);
@@ -69,31 +46,14 @@ pub fn fewer(gaussians: &[Gaussian], most: usize, least: f64) -> Vec<Gaussian> {
     all.filter(|g| g.weight.iter().any(|w| *w > 0.)).collect()
 }
 
-/// Puts the best variance in place `i`; returns the cost then, `reached` if nothing beats it.
-fn exchange(levels: &mut [usize], i: usize, mut reached: f64, cost: &impl Fn(&[usize]) -> f64) -> f64 {
-    let mut best = levels[i];
-    for entry in 0..CHOICE {
-        if levels.iter().enumerate().any(|(j, &l)| j != i && l == entry) {
-            continue;
-        }
-        levels[i] = entry;
-        let now = cost(levels);
-        if now < reached {
-            (reached, best) = (now, entry);
-        }
-    }
-    levels[i] = best;
-    reached
-}
-
 /// The inner product that belongs to the distance, with the delta as its zero.
 fn product(v: f64, w: f64) -> f64 {
     v.sqrt() + w.sqrt() - (v + w).sqrt()
 }
 
-/// The best weights of a delta and these variances for one channel, none below 0. Every set of those that are not 0 is tried:
-/// they are few.
-fn solve(source: &[Gaussian], channel: usize, variances: &[f64]) -> Solved {
+/// The best weights of a delta and these variances for one channel, none below 0, and what they leave of the distance, but for a
+/// constant. Every set of those that are not 0 is tried: they are few.
+fn solve(source: &[Gaussian], channel: usize, variances: &[f64]) -> (Vec<f64>, f64) {
     let energy: f64 = source.iter().map(|g| g.weight[channel]).sum();
     let pull: Vec<f64> =
         variances.iter().map(|&v| source.iter().map(|g| g.weight[channel] * product(g.variance, v)).sum()).collect();
@@ -127,6 +87,9 @@ fn solve(source: &[Gaussian], channel: usize, variances: &[f64]) -> Solved {
 /// The stationary weights of the variances in `held`, of this sum if one is given: Gaussian elimination with pivots; none
 /// where the system is singular.
 fn free(held: &[usize], variances: &[f64], pull: &[f64], sum: Option<f64>) -> Option<Vec<f64>> {
+    if held.is_empty() {
+        return sum.is_none().then(Vec::new);
+    }
     let n = held.len() + usize::from(sum.is_some());
     let mut rows = vec![vec![0.; n + 1]; n];
     for (r, &i) in held.iter().enumerate() {
@@ -138,9 +101,6 @@ fn free(held: &[usize], variances: &[f64], pull: &[f64], sum: Option<f64>) -> Op
             (rows[r][n - 1], rows[n - 1][r], rows[n - 1][n]) = (1., 1., sum);
         }
     }
-    if held.is_empty() {
-        return sum.is_none().then(Vec::new);
-    }
     for k in 0..n {
         let pivot = (k..n).max_by(|&a, &b| rows[a][k].abs().total_cmp(&rows[b][k].abs()))?;
         rows.swap(k, pivot);
@@ -148,7 +108,7 @@ fn free(held: &[usize], variances: &[f64], pull: &[f64], sum: Option<f64>) -> Op
             return None;
         }
         let pivot = rows[k].clone();
-        for (_, row) in rows.iter_mut().enumerate().filter(|(r, _)| *r != k) {
+        for row in rows.iter_mut().enumerate().filter_map(|(r, row)| (r != k).then_some(row)) {
             let f = row[k] / pivot[k];
             row.iter_mut().zip(&pivot).for_each(|(x, p)| *x -= f * p);
         }

@@ -9,7 +9,7 @@ use super::{Gaussian, Profile, Shape};
 /// The most Gaussians a fit has, all channels together: as many blur levels as d'Eon & Luebke's skin.
 pub const MAX_LEVELS: usize = 6;
 /// Widths to choose from.
-const DICTIONARY: usize = 48;
+pub(super) const DICTIONARY: usize = 48;
 /// How much a channel's total energy counts beside its form; it is made exact afterwards.
 const ENERGY_WEIGHT: f64 = 4.0;
 /// Rounds of exchange; three have been enough.
@@ -43,9 +43,11 @@ pub(super) fn fit(profile: &Profile) -> Fit {
     if let Some((low, high)) = span(&supports) {
         let step = (high / low).ln() / (DICTIONARY - 1) as f64;
         let variances: [f64; DICTIONARY] = std::array::from_fn(|i| (low * (step * i as f64).exp()).powi(2));
-        let channels = std::array::from_fn(|c| Channel::new(profile, c, supports[c], &variances, 1.0 - delta[c]));
+        let channels: [Channel; 3] =
+            std::array::from_fn(|c| Channel::new(profile, c, supports[c], &variances, 1.0 - delta[c]));
         let gram = Gram::new(&variances);
-        let levels = choose(&gram, &channels, MAX_LEVELS - usize::from(has_delta));
+        let cost = |levels: &[usize]| channels.iter().map(|c| c.solve(&gram, levels).1).sum::<f64>();
+        let levels = choose(MAX_LEVELS - usize::from(has_delta), cost);
         let weights: [[f64; MAX_LEVELS]; 3] = std::array::from_fn(|c| channels[c].weights(&gram, &levels));
         for (i, &level) in levels.iter().enumerate() {
             let weight = std::array::from_fn(|c| weights[c][i]);
@@ -221,9 +223,9 @@ impl Channel {
     }
 }
 
-/// The dictionary's entries that serve the three channels best, in rising order.
-fn choose(gram: &Gram, channels: &[Channel; 3], most: usize) -> Vec<usize> {
-    let cost = |levels: &[usize]| channels.iter().map(|c| c.solve(gram, levels).1).sum::<f64>();
+/// The dictionary's entries of least cost, `most` of them at most, in rising order: first the one that helps most, then the next,
+/// then each is exchanged for a better one until none is.
+pub(super) fn choose(most: usize, cost: impl Fn(&[usize]) -> f64) -> Vec<usize> {
     let mut levels: Vec<usize> = Vec::with_capacity(most);
     let mut reached = 0.0;
     for _ in 0..most {

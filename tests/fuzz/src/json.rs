@@ -31,20 +31,8 @@ pub fn mutate(bytes: &[u8], most: usize, seed: u64) -> Option<Vec<u8>> {
         let target = dice.below(count(&document));
         change(nth(&mut document, &mut { target })?, donor, &mut dice);
     }
-    let mut text = document.to_string().into_bytes();
-    if !binary {
-        return (text.len() <= most).then_some(text);
-    }
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let total = 20 + text.len() + rest.len();
-    let mut out = Vec::with_capacity(total);
-    out.extend_from_slice(b"glTF\x02\0\0\0");
-    out.extend((total as u32).to_le_bytes());
-    out.extend((text.len() as u32).to_le_bytes());
-    out.extend_from_slice(b"JSON");
-    out.extend(text);
-    out.extend(rest);
-    (total <= most).then_some(out)
+    let out = if binary { super::glb::write(&document, rest) } else { document.to_string().into_bytes() };
+    (out.len() <= most).then_some(out)
 }
 
 fn children(value: &mut Value) -> Vec<&mut Value> {

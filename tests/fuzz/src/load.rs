@@ -1,5 +1,6 @@
 //! Coverage-guided fuzzing of the glTF loader: whatever the bytes, a scene that is sound or one line; no panic, no hang, no
-//! more memory than 16 times the file and 256 MiB. `tests/fuzz/run SECONDS` builds and runs it.
+//! more memory than 16 times the file and 256 MiB. A packed mesh or image by itself is read from a file made around it.
+//! `tests/fuzz/run SECONDS` builds and runs it.
 #![no_main]
 #![allow(dead_code, unused_imports)]
 
@@ -10,8 +11,10 @@ pub mod scene;
 
 #[path = "../../scene/check.rs"]
 mod check;
+mod glb;
 mod json;
 mod memory;
+mod seeds;
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
 use scene::{LoadOptions, Pose, Scene};
@@ -19,8 +22,15 @@ use scene::{LoadOptions, Pose, Scene};
 /// What reading may take beside 16 times the file.
 const FLOOR: usize = 256 << 20;
 
-fuzz_target!(|bytes: &[u8]| {
+fuzz_target!(init: {
+    // `run` asks so for the seeds, before the fuzzing.
+    if let Some(from) = std::env::var_os("SEEDS_FROM") {
+        seeds::collect(from.as_ref(), "seeds".as_ref(), 1 << 16);
+    }
+}, |bytes: &[u8]| {
     let path = std::env::temp_dir().join(format!("pdss-fuzz-{}.gltf", std::process::id()));
+    let around = glb::around(bytes);
+    let bytes = around.as_deref().unwrap_or(bytes);
     std::fs::write(&path, bytes).expect("a folder to write to");
     let pose = (bytes.len() % 4 < 2).then_some(Pose { animation: 0, time: 0.4 });
     let options = LoadOptions { mm_per_unit: None, keep_uvs: bytes.len() % 2 == 0, pose };
