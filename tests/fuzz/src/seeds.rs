@@ -33,7 +33,8 @@ fn seeds(path: &Path) -> Option<Vec<Vec<u8>>> {
     }
     let mut document: Value = serde_json::from_slice(&bytes).ok()?;
     let folder = path.parent()?;
-    let beside = |item: &Value| fs::read(folder.join(item["uri"].as_str().filter(|uri| !uri.starts_with("data:"))?)).ok();
+    let beside =
+        |item: &Value| fs::read(folder.join(item["uri"].as_str().filter(|uri| !uri.starts_with("data:"))?)).ok();
     let Some(mut chunk) = document["buffers"].get(0).and_then(beside) else { return Some(vec![bytes]) };
     document["buffers"][0].as_object_mut()?.remove("uri");
     for i in 0..document["images"].as_array().map_or(0, Vec::len) {
