@@ -6,6 +6,7 @@
 //! | [`sphere`] | what leaves a sphere under one distant light: exact, a Legendre series or one smooth integral |
 //! | [`curvature`] | screen-space curvature estimators, the twins of `glsl/curvature.comp` |
 //! | [`blur`] | one pass of the diffusion, the twin of `glsl/blur.comp` |
+//! | [`gather`] | light found from the light's own view, the twin of `glsl/translucent.comp` |
 //! | [`light`] | both lighting forms, the twins of `glsl/light.comp` |
 //! | [`octahedral`] | unit vectors in 2 x 16 bit |
 //! | [`vectors`] | every formula as numbers in and out, for ports |
@@ -27,6 +28,7 @@
 pub mod blur;
 pub mod burley;
 pub mod curvature;
+pub mod gather;
 pub mod light;
 pub mod lut;
 pub mod mass;

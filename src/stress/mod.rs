@@ -14,10 +14,12 @@
 //! | [`mod@file`] | hostile glTF: normals, triangles, transforms, units, counts |
 //! | [`lighting`] | lights where they should not be, too strong, too many, none |
 //! | [`edge`] | what must not bleed into what |
+//! | [`gathered`] | light gathered from the light's view on the device against the same in f64 |
 //! | [`twins`] | levels and light on the device against the same in f64 |
 
 pub mod edge;
 pub mod file;
+pub mod gathered;
 pub mod integral;
 pub mod lighting;
 pub mod material;

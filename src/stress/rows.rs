@@ -1,7 +1,7 @@
 //! The rows: what is tried, what must hold, the bound, and who measures it. A new row is a line here.
 
 use super::Engine::{Each, Once, Scattering};
-use super::{Row, edge, file, integral, lighting, material, size, surface, twins};
+use super::{Row, edge, file, gathered, integral, lighting, material, size, surface, twins};
 
 type Known = &'static [(&'static str, &'static str, &'static str)];
 
@@ -50,6 +50,7 @@ pub const ROWS: &[Row] = &[
     Row { name: "curvature in f32 and f64", holds: "|dH| q", bounds: &[("vergne", 1e-4), ("trace", 1e-6), ("metric", 1e-6), ("fit", 1e-6)], quick: true, engine: Once(surface::precision), expected: &[] },
     Row { name: "levels and light of pdss in f32 and f64", holds: "the device is the twins", bounds: &[("soft normal p99", 2e-4), ("soft H length p99", 2e-4), ("exitance p99", 5e-4), ("ambient p99", 1e-4)], quick: true, engine: Once(twins::pdss), expected: &[] },
     Row { name: "levels and light of moments in f32 and f64", holds: "the device is the twins", bounds: &[("soft normal p99", 2e-4), ("soft H length p99", 2e-4), ("exitance p99", 5e-4), ("ambient p99", 1e-4)], quick: true, engine: Once(twins::moments), expected: &[] },
+    Row { name: "light gathered by moments in f32 and f64", holds: "the device is the twins", bounds: &[("gathered light p99", 5e-5), ("kept texels that differ", 0.)], quick: true, engine: Once(gathered::moments), expected: &[] },
     // Pre-integration.
     Row { name: "sphere, k = 1e-8 .. 1e14", holds: "D in 0..1, rises with mu, keeps energy", bounds: &[("outside 0..1", 1e-12), ("falls with mu by", 1e-12), ("|2 int D dmu - 1|", 1e-6), ("|D - quadrature|", 1e-7)], quick: true, engine: Once(integral::gaussian), expected: &[] },
     Row { name: "sphere, Burley, as stiff", holds: "D in 0..1, rises with mu, keeps energy", bounds: &[("outside 0..1", 1e-10), ("falls with mu by", 1e-10), ("|2 int D dmu - 1|", 1e-6)], quick: false, engine: Once(integral::burley), expected: &[] },

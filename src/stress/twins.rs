@@ -164,7 +164,7 @@ fn sets(method: Method) -> Result<Vec<Set>, StressError> {
         set.lights.push(Light::directional(70., 10., 0.4));
         set.settings.quality = quality;
         set.settings.no_shadows = !shadows;
-        // What is gathered from the light's view has no twin.
+        // `gathered` holds what is gathered from the light's view.
         set.settings.no_translucent = true;
         set.profile = Some(wax().scaled(0.4));
         if parallel {
