@@ -34,7 +34,7 @@
 #define OUTPUT_AO 3
 
 layout(constant_id = 0) const int OUTPUT = OUTPUT_FINAL;
-layout(constant_id = 1) const bool LOOK_UP = true;       // some light without a slot casts a shadow
+layout(constant_id = 1) const bool LOOK_UP = true;       // some light without a slot of its own casts a shadow
 layout(constant_id = 2) const bool SLOTS = true;         // the lit target is there
 layout(constant_id = 4) const bool AO = true;
 layout(constant_id = 5) const bool AMBIENT = true;
@@ -48,6 +48,7 @@ layout(constant_id = 12) const int STRIDE5 = 1;
 layout(constant_id = 14) const int CURVE = 0;              // 0 Khronos PBR Neutral, 1 sRGB alone, 2 linear
 layout(constant_id = 15) const bool MASS = false;        // light with a slot is gathered from level FIRST on
 layout(constant_id = 16) const int FIRST = 0;
+layout(constant_id = 3) const bool LOOSE = true;         // moments: some light has no slot
 layout(constant_id = 31) const bool MASKED = false;      // some surface scatters a share of the light alone
 layout(constant_id = 13) const bool STRIDED = false;     // some level is coarser than the picture
 layout(constant_id = 17) const bool OWN = false;         // of several profiles, not the first: what does not scatter is another's
@@ -250,6 +251,19 @@ void main() {
 
 #if METHOD == 2
     vec3 masses = MASS ? .5 / max(imageLoad(mass, pixel).rgb, .01) : vec3(1.);
+    // What each slot's lights come to. Where light is gathered, a level weighs as much as the surface that it finds.
+    vec3 weights = frame.sharp.rgb, slot0 = weights * sharp.x, slot1 = weights * sharp.y;
+    for (int k = 0; k < LEVELS; ++k) {
+        vec3 weight = frame.level[k].rgb;
+        if (MASS && k >= FIRST) weight *= masses[k - FIRST];
+        weights += weight;
+        slot0 += weight * level[k].lit.x;
+        slot1 += weight * level[k].lit.y;
+    }
+    if (MASS) {
+        slot0 /= weights;
+        slot1 /= weights;
+    }
 #endif
     vec3 exitance = vec3(0.), reflected = vec3(0.), arriving = vec3(0.);
     for (int i = 0; i < LIGHTS; ++i) {
@@ -260,7 +274,7 @@ void main() {
         bool slotted = SLOTS && light.slot >= 0;
         float own = light.slot == 0 ? sharp.x : sharp.y;
         float shade = 1.;
-        if (slotted) shade = c > 1e-3 ? min(own / c, 1.) : 0.;
+        if (slotted && light.part == 1.) shade = c > 1e-3 ? min(own / c, 1.) : 0.;
         else if (LOOK_UP && light.layer >= 0) {
             vec3 from = p;
 #if METHOD == 3
@@ -292,17 +306,13 @@ void main() {
         if (scatters) lit_here = max(c + wrap, 0.) / ((1. + wrap) * (1. + wrap)) * shade;
 #elif METHOD == 2
         if (scatters) {
-            lit_here *= frame.sharp.rgb;
-            vec3 weights = frame.sharp.rgb;
-            for (int k = 0; k < LEVELS; ++k) {
-                float m = slotted ? (light.slot == 0 ? level[k].lit.x : level[k].lit.y) : moment(level[k].n, l) * shade;
-                vec3 weight = frame.level[k].rgb;
-                if (MASS && slotted && k >= FIRST) weight *= masses[k - FIRST];
-                weights += weight;
-                lit_here += weight * m;
+            vec3 scattered = light.slot == 0 ? slot0 : slot1;
+            if (LOOSE) {
+                vec3 loose = lit_here * frame.sharp.rgb;
+                for (int k = 0; k < LEVELS; ++k) loose += frame.level[k].rgb * (moment(level[k].n, l) * shade);
+                if (!slotted) scattered = loose;
             }
-            // A level weighs as much as the surface that it finds.
-            if (MASS && slotted) lit_here /= weights;
+            lit_here = scattered;
         }
 #endif
 #if METHOD == 1 || METHOD == 3

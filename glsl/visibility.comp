@@ -1,7 +1,7 @@
 // visibility: viewz, normal, shadow -> lit, and from facet -> litgeo where light is gathered and normals stray from the surface.
 // variants: plain GEO=0; geo GEO=1
 //
-// Clamped cosine times visibility of up to two lights (those with a slot), one channel a light, before it is scattered. Not
+// Clamped cosine times visibility of the lights with a slot, a channel a light, or the mean of those that share one, before it is scattered. Not
 // visibility alone: where a surface turns away from the light its shadow map says nothing, and blurring that nothing would
 // darken every terminator twice. The product blurs exactly, and costs no channel more.
 #version 460
@@ -39,13 +39,13 @@ void main() {
         vec3 irradiance;
         vec3 l = light_arrives(light, position, irradiance);
         float c = max(dot(n, l), 0.);
-        float open = shadow_visibility(light, position, n, l, mat3(frame.world_from_view));
+        float open = light.part * shadow_visibility(light, position, n, l, mat3(frame.world_from_view));
         float v = c * open;
 #if GEO
         float w = max(dot(bare, l), 0.) * open;
-        if (light.slot == 0) seen_bare.x = w; else seen_bare.y = w;
+        if (light.slot == 0) seen_bare.x += w; else seen_bare.y += w;
 #endif
-        if (light.slot == 0) seen.x = v; else seen.y = v;
+        if (light.slot == 0) seen.x += v; else seen.y += v;
     }
     imageStore(lit, pixel, uvec4(packUnorm2x16(seen)));
 #if GEO

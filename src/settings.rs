@@ -195,7 +195,7 @@ pub enum View {
     SoftCurvature,
     /// Ambient visibility from curvature, 0..1.
     Ao,
-    /// Clamped cosine times visibility of the first two lights, before it is scattered.
+    /// Clamped cosine times visibility of the first two lights, or the mean of those that share their slots, before it is scattered.
     Lit,
     /// Irradiance, unscattered, with shadows.
     Irradiance,

@@ -57,7 +57,19 @@ fn twin(shader: &Shader, block: &Block) -> Option<Layout> {
         }
         (_, "LightBlock") => layout!(LightBlock { shadow_from_view, light }),
         (_, "Light") => {
-            layout!(LightEntry { position, kind, color, range_mm, axis, inner_cos, outer_cos, layer, texel_mm, slot })
+            layout!(LightEntry {
+                position,
+                kind,
+                color,
+                range_mm,
+                axis,
+                inner_cos,
+                outer_cos,
+                layer,
+                texel_mm,
+                slot,
+                part
+            })
         }
         ("gbuffer" | "forward" | "unwrap" | "entrance" | "overlay", "Push") => layout!(MaterialPush {
             base_color,
@@ -155,6 +167,7 @@ struct PaddedLight {
     layer: i32,
     texel_mm: f32,
     slot: i32,
+    part: f32,
 }
 
 /// Two members of one type changed places: same size, same padding.
@@ -171,6 +184,7 @@ struct SwappedLight {
     layer: i32,
     texel_mm: f32,
     slot: i32,
+    part: f32,
 }
 
 /// A member that GLSL has and Rust does not.
@@ -186,6 +200,7 @@ struct ShortLight {
     outer_cos: f32,
     layer: i32,
     texel_mm: f32,
+    slot: i32,
 }
 
 #[test]
@@ -193,9 +208,33 @@ fn wrong_structs_are_caught() {
     let find = |name: &str| ALL.iter().find_map(|s| Some((*s, s.blocks.iter().find(|b| b.name == name)?)));
     let (shader, light) = find("Light").expect("some shader has lights");
     let wrong = [
-        layout!(PaddedLight { position, kind, color, range_mm, axis, inner_cos, outer_cos, layer, texel_mm, slot }),
-        layout!(SwappedLight { position, kind, color, range_mm, axis, inner_cos, outer_cos, layer, texel_mm, slot }),
-        layout!(ShortLight { position, kind, color, range_mm, axis, inner_cos, outer_cos, layer, texel_mm }),
+        layout!(PaddedLight {
+            position,
+            kind,
+            color,
+            range_mm,
+            axis,
+            inner_cos,
+            outer_cos,
+            layer,
+            texel_mm,
+            slot,
+            part
+        }),
+        layout!(SwappedLight {
+            position,
+            kind,
+            color,
+            range_mm,
+            axis,
+            inner_cos,
+            outer_cos,
+            layer,
+            texel_mm,
+            slot,
+            part
+        }),
+        layout!(ShortLight { position, kind, color, range_mm, axis, inner_cos, outer_cos, layer, texel_mm, slot }),
     ];
     for layout in wrong {
         let found = differences(shader, light, &layout);

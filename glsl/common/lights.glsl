@@ -17,6 +17,7 @@ struct Light {
     int layer;            // first layer of its shadow map, -1 none
     float texel_mm;       // footprint of a shadow texel; per mm of distance for point and spot lights
     int slot;             // channel of the scattered visibility, -1 none
+    float part;           // of the light of its slot: others of its colour may share it
 };
 
 // A uniform block, and loops over a specialised count: an unrolled loop reads it at constant offsets, which costs nothing,

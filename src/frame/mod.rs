@@ -82,7 +82,7 @@ pub struct Inputs<'a> {
     pub scene: &'a Scene,
     /// The eye.
     pub camera: Camera,
-    /// The lights, in order of importance: the first two have their shadows scattered.
+    /// The lights, in order of importance: the first two have their shadows scattered, by `moments` all directional ones of their colours, too.
     pub lights: Vec<Light>,
     /// How the scattering materials scatter, by their own index ([`Material::scatter`]); none: nothing does.
     pub profiles: Vec<Profile>,

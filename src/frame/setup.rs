@@ -79,7 +79,7 @@ pub struct Setup {
     pub mass: bool,
     /// Gathered light lacks what shading normals add to the triangles' own; that is blurred beside it.
     pub detail: bool,
-    /// Samples of each gathered Gaussian.
+    /// Samples of each gathered Gaussian and light.
     pub taps: u32,
     /// One texel in so many of the shadow maps is gathered from, along each axis; 0 where nothing is.
     pub sparse_step: u32,
@@ -233,7 +233,7 @@ impl Setup {
             shadows.without_slots();
         }
         // A shadow map does not say by which profile its surface scatters.
-        let taps = if several { 0 } else { gather_taps(settings) };
+        let taps = if several { 0 } else { gather_taps(settings, shadows.scattered() as u32) };
         let texel = shadows.gatherable(&inputs.lights).filter(|_| taps > 0 && is_lit(settings.view));
         let sparse_step = texel.map_or(0, |texel| levels.gather(f64::from(texel)));
         let mass = levels.levels.iter().any(|l| l.gathered);
@@ -359,15 +359,20 @@ impl Setup {
     }
 }
 
-/// Samples of each Gaussian that is gathered from the shadow map; 0: light is blurred on the screen alone.
-fn gather_taps(settings: &Settings) -> u32 {
-    match (settings.method, settings.quality) {
+/// Fewest samples of a light among many, and of all of them.
+const LEAST_TAPS: (u32, u32) = (16, 128);
+
+/// Samples of each Gaussian that is gathered from the shadow map of one of so many lights; 0: light is blurred on the screen alone.
+/// Where there are more than two, all take together what two would, or so many that a few lights are no worse for it.
+fn gather_taps(settings: &Settings, lights: u32) -> u32 {
+    let taps = match (settings.method, settings.quality) {
         _ if settings.no_translucent => 0,
         (Method::Moments, Quality::Low) => 32,
         (Method::Moments, Quality::Medium | Quality::High) => 64,
         (Method::Moments, Quality::Ultra) => 128,
         _ => 0,
-    }
+    };
+    if lights > 2 && taps > 0 { ((2 * taps).max(LEAST_TAPS.1) / lights).max(LEAST_TAPS.0) } else { taps }
 }
 
 fn is_lit(view: View) -> bool {

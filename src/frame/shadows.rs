@@ -7,7 +7,7 @@ use crate::settings::{Method, Quality, Settings, Spared};
 use glam::camera::rh::proj::vulkan::perspective_infinite_reverse;
 use glam::{Mat4, Vec3, Vec4};
 
-/// Lights whose visibility is scattered: what the visibility target has channels for.
+/// Channels of the visibility target: a light has one, or shares it with others of its colour.
 pub const MAX_SLOTS: usize = 2;
 
 /// Shadow maps of a frame.
@@ -17,17 +17,30 @@ pub struct Shadows {
     pub matrices: Vec<Mat4>,
     /// Texels on a side.
     pub size: u32,
-    /// Lights whose visibility is scattered.
+    /// Channels of scattered visibility in use.
     pub slots: usize,
     /// Why there are none.
     pub why_none: &'static str,
-    /// First layer, texel size and slot of each light.
-    lights: Vec<(i32, f32, i32)>,
+    lights: Vec<Cast>,
     /// Lights beyond [`MAX_LAYERS`]: they shine through.
     pub beyond: usize,
     /// Lights without a map, for they reach nothing.
     pub far: usize,
 }
+
+/// A light's place among the maps.
+#[derive(Clone, Copy, Debug)]
+struct Cast {
+    /// Its first layer, -1 none.
+    layer: i32,
+    texel_mm: f32,
+    /// -1 none.
+    slot: i32,
+    /// Of the light of its slot.
+    part: f32,
+}
+
+const CASTS_NONE: Cast = Cast { layer: -1, texel_mm: 0., slot: -1, part: 1. };
 
 impl Shadows {
     /// Decides layers and fits their matrices to what can cast.
@@ -37,7 +50,7 @@ impl Shadows {
             Quality::Medium | Quality::High => 2048,
             Quality::Ultra => 4096,
         };
-        let mut s = Shadows { size, lights: vec![(-1, 0., -1); inputs.lights.len()], ..Shadows::default() };
+        let mut s = Shadows { size, lights: vec![CASTS_NONE; inputs.lights.len()], ..Shadows::default() };
         if inputs.settings.no_shadows {
             s.why_none = "shadows are off";
             return s;
@@ -56,16 +69,36 @@ impl Shadows {
         let idle =
             if spares(&inputs.settings).is_some_and(|s| inputs.settings.brings_back(s)) { &far[..] } else { &[] };
         s.far = far.len() - idle.len();
+        // Exitance is linear in light, so lights of one colour are scattered as one. `pdss` asks how much of one light is left.
+        let share = inputs.settings.method == Method::Moments;
+        let mut leaders: Vec<&Light> = Vec::new();
         for (place, (i, light)) in near.iter().chain(idle).copied().enumerate() {
             let (matrices, texel) = cast(light, &inputs.scene.positions, size);
             if s.matrices.len() + matrices.len() > MAX_LAYERS {
                 s.beyond += 1;
                 continue;
             }
-            let slot = if s.slots < MAX_SLOTS && place < near.len() { s.slots as i32 } else { -1 };
-            s.slots += usize::from(slot >= 0);
-            s.lights[i] = (s.matrices.len() as i32, texel, slot);
+            let slot = if place >= near.len() {
+                None
+            } else if leaders.len() < MAX_SLOTS {
+                leaders.push(light);
+                Some(leaders.len() - 1)
+            } else {
+                leaders.iter().rposition(|l| share && scatters_as(l, light))
+            };
+            let slot = slot.map_or(-1, |slot| slot as i32);
+            s.lights[i] = Cast { layer: s.matrices.len() as i32, texel_mm: texel, slot, part: 1. };
             s.matrices.extend(matrices);
+        }
+        s.slots = leaders.len();
+        for slot in 0..s.slots as i32 {
+            let of_slot = |c: &Cast| c.slot == slot;
+            let all =
+                s.lights.iter().zip(&inputs.lights).filter(|(c, _)| of_slot(c)).map(|(_, l)| strength(l)).sum::<f32>();
+            for (cast, light) in s.lights.iter_mut().zip(&inputs.lights).filter(|(c, _)| of_slot(c)) {
+                // Alone it is 1 to the bit.
+                cast.part = strength(light) / all;
+            }
         }
         if s.matrices.is_empty() {
             s.why_none = if s.far > 0 { "no light reaches anything" } else { "no light is on" };
@@ -76,25 +109,40 @@ impl Shadows {
     /// Nobody scatters visibility.
     pub fn without_slots(&mut self) {
         self.slots = 0;
-        self.lights.iter_mut().for_each(|l| l.2 = -1);
+        self.lights.iter_mut().for_each(|l| (l.slot, l.part) = (-1, 1.));
     }
 
     /// The widest texel (mm) of the lights with a slot, where every such light is directional: a light at a place does not
     /// give each texel the same flux.
     pub fn gatherable(&self, lights: &[Light]) -> Option<f32> {
-        let slotted = || self.lights.iter().zip(lights).filter(|(l, _)| l.2 >= 0);
+        let slotted = || self.lights.iter().zip(lights).filter(|(l, _)| l.slot >= 0);
         let parallel = slotted().all(|(_, light)| matches!(light.kind, LightKind::Directional { .. }));
-        slotted().map(|(l, _)| l.1).reduce(f32::max).filter(|_| parallel)
+        slotted().map(|(l, _)| l.texel_mm).reduce(f32::max).filter(|_| parallel)
     }
 
     /// Some light without a slot casts a shadow: lighting must look it up.
     pub fn look_up(&self) -> bool {
-        self.lights.iter().any(|l| l.0 >= 0 && l.2 < 0)
+        self.lights.iter().any(|l| l.layer >= 0 && l.slot < 0)
+    }
+
+    /// Lights whose visibility is scattered.
+    pub fn scattered(&self) -> usize {
+        self.lights.iter().filter(|l| l.slot >= 0).count()
+    }
+
+    /// Some of them have a slot together.
+    pub fn shared(&self) -> bool {
+        self.scattered() > self.slots
+    }
+
+    /// Layers up to the last of a light with a slot.
+    pub fn slotted_layers(&self) -> u32 {
+        self.lights.iter().filter(|l| l.slot >= 0).map(|l| l.layer + 1).max().unwrap_or(0) as u32
     }
 
     /// A light as the shaders see it.
     pub fn entry(&self, index: usize, light: &Light, view_from_world: Mat4) -> LightEntry {
-        let (layer, texel_mm, slot) = self.lights.get(index).copied().unwrap_or((-1, 0., -1));
+        let Cast { layer, texel_mm, slot, part } = self.lights.get(index).copied().unwrap_or(CASTS_NONE);
         let rotate = |v: Vec3| view_from_world.transform_vector3(v).to_array();
         let place = |v: Vec3| view_from_world.transform_point3(v).to_array();
         let (position, kind, axis, inner_cos, outer_cos) = match light.kind {
@@ -115,8 +163,20 @@ impl Shadows {
             layer,
             texel_mm,
             slot,
+            part,
         }
     }
+}
+
+/// Two parallel lights of one colour.
+fn scatters_as(a: &Light, b: &Light) -> bool {
+    let parallel = |l: &Light| matches!(l.kind, LightKind::Directional { .. });
+    let (p, q) = (Vec3::from(a.color), Vec3::from(b.color));
+    parallel(a) && parallel(b) && p.cross(q).length() <= 1e-3 * p.length() * q.length()
+}
+
+fn strength(light: &Light) -> f32 {
+    light.intensity * Vec3::from(light.color).length()
 }
 
 /// What brings the maps of lights that reach nothing back. What went through from the side of one, `texture-space` takes from all

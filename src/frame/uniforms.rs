@@ -54,6 +54,7 @@ pub struct LightEntry {
     pub layer: i32,
     pub texel_mm: f32,
     pub slot: i32,
+    pub part: f32,
 }
 
 /// The block `LightBlock`.

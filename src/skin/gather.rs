@@ -19,6 +19,10 @@ pub struct LightView {
     pub rows: [[f64; 4]; 3],
     /// Unit, view space, towards the light.
     pub l: V3,
+    /// Channel that its light is added to.
+    pub slot: usize,
+    /// Of that channel's light.
+    pub part: f64,
 }
 
 /// How one level is gathered.
@@ -26,8 +30,10 @@ pub struct LightView {
 pub struct Gather {
     /// Of the level's Gaussian, mm^2, above 0.
     pub variance: f64,
-    /// Offsets.
+    /// Offsets a light.
     pub taps: usize,
+    /// Several lights have a channel together.
+    pub shared: bool,
     /// Texels of the shadow map along each axis for one that is kept.
     pub step: usize,
 }
@@ -43,7 +49,7 @@ pub struct Seen {
     pub mean: V3,
     /// One over the kernel's mass.
     pub share: f64,
-    /// Light of up to two lights, blurred on the screen.
+    /// Light of two channels, blurred on the screen.
     pub lit: [f64; 2],
     /// The same by the triangles' own normals, where shading normals stray from them.
     pub bare: Option<[f64; 2]>,
@@ -60,8 +66,12 @@ pub fn sparse<T: Copy>(map: &[T], side: usize, step: usize) -> Vec<T> {
     (0..cells * cells).map(|i| map[(i / cells * step + step / 2) * side + i % cells * step + step / 2]).collect()
 }
 
-/// Part of a light's irradiance that the Gaussian collects at a point whose normal is `n`, before the kernel's mass.
-pub fn gathered(view: &LightView, position: V3, n: V3, gather: &Gather) -> f64 {
+/// Radians from the first offset of a light to that of the next, where lights share.
+const SKEW: f64 = 0.8;
+
+/// Part of a light's irradiance that the Gaussian collects at a point whose normal is `n`, before the kernel's mass. Offsets start at
+/// `turn` radians, and are spaced by `phase`, 0..1.
+pub fn gathered(view: &LightView, position: V3, n: V3, gather: &Gather, turn: f64, phase: f64) -> f64 {
     let axis = view.rows.map(|r| [r[0], r[1], r[2]]);
     let length = axis.map(|a| dot(a, a).sqrt());
     let clip: V3 = std::array::from_fn(|i| dot(axis[i], position) + view.rows[i][3]);
@@ -75,8 +85,8 @@ pub fn gathered(view: &LightView, position: V3, n: V3, gather: &Gather) -> f64 {
     let (mut found, mut plane, mut both, mut square) = (0.0, 0.0, 0.0, 0.0);
     for i in 0..gather.taps {
         // Vogel's spiral, stretched to a Gaussian; each offset counts where its texel is.
-        let radius = (-2.0 * (1.0 - (i as f64 + 0.5) / gather.taps as f64).ln()).sqrt();
-        let angle = i as f64 * GOLDEN;
+        let radius = (-2.0 * (1.0 - (i as f64 + phase) / gather.taps as f64).ln()).sqrt();
+        let angle = turn + i as f64 * GOLDEN;
         let cell = [angle.cos(), angle.sin()];
         let cell: [f64; 2] = std::array::from_fn(|k| (at[k] + cell[k] * radius * cells_per_sigma[k]).floor());
         let offset: [f64; 2] = std::array::from_fn(|k| (cell[k] + 0.5 - at[k]) / cells_per_sigma[k]);
@@ -94,22 +104,31 @@ pub fn gathered(view: &LightView, position: V3, n: V3, gather: &Gather) -> f64 {
     // The tangent plane is a control variate, its mean the cosine, its share the regression of one on the other.
     let share = if c > EDGE_ON && square > 0.0 { (both / square).min(1.0) } else { 0.0 };
     let taps = gather.taps as f64;
+    if gather.shared {
+        return found / taps;
+    }
     (found / taps + share * (c - plane / taps)).max(0.0)
 }
 
-/// What takes the place of a texel's blurred light: for each view, found where the screen may be blind, seen elsewhere.
+/// What takes the place of a texel's blurred light: found where the screen may be blind, seen elsewhere.
 pub fn level(seen: &Seen, views: &[LightView], gather: &Gather) -> [f64; 2] {
     let mass = 1.0 / seen.share.max(0.1);
     // Spread of the normals, and mass that is not 1, tell of surface that the camera does not see.
     let needed = smoothstep(0.015, 0.09, 1.0 - dot(seen.mean, seen.mean) + 2.0 * (mass - 1.0).abs());
-    let mut out = seen.lit;
+    let (mut found, mut shares) = ([0.0; 2], [0.0; 2]);
     for (i, view) in views.iter().enumerate() {
-        let share = needed * smoothstep(0.08, 0.3, dot(seen.n, view.l).abs());
-        let detail = seen.bare.map_or(0.0, |bare| seen.lit[i] - bare[i]);
-        let found = if share > 0.0 { gathered(view, seen.position, seen.n, gather) * seen.share } else { 0.0 } + detail;
-        out[i] = (seen.lit[i] * (1.0 - share) + found * share).clamp(0.0, 1.0);
+        let grazing = if gather.shared { 1.0 } else { smoothstep(0.08, 0.3, dot(seen.n, view.l).abs()) };
+        shares[view.slot] = needed * grazing;
+        let (turn, phase) =
+            if gather.shared { (i as f64 * SKEW, (i as f64 + 0.5) / views.len() as f64) } else { (0.0, 0.5) };
+        if shares[view.slot] > 0.0 {
+            found[view.slot] += view.part * gathered(view, seen.position, seen.n, gather, turn, phase) * seen.share;
+        }
     }
-    out
+    std::array::from_fn(|i| {
+        let detail = seen.bare.map_or(0.0, |bare| seen.lit[i] - bare[i]);
+        (seen.lit[i] * (1.0 - shares[i]) + (found[i] + detail) * shares[i]).clamp(0.0, 1.0)
+    })
 }
 
 fn smoothstep(low: f64, high: f64, x: f64) -> f64 {

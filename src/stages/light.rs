@@ -5,7 +5,7 @@ use super::{tiles, transmittance};
 use crate::frame::setup::Setup;
 use crate::frame::uniforms::MAX_LEVELS;
 use crate::plan::Plan;
-use crate::settings::{Method, Spared};
+use crate::settings::{Method, Spared, View};
 use crate::shaders;
 
 const STRIDES: [&str; MAX_LEVELS] = ["STRIDE0", "STRIDE1", "STRIDE2", "STRIDE3", "STRIDE4", "STRIDE5"];
@@ -28,11 +28,14 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     // `moments` finds that light in the light's own view.
     let gaussians = if matches!(method, Method::Pdss | Method::Wrap) { transmittance::said(plan, s) } else { 0 };
     tiles::background(plan, s);
+    // What a shared slot holds does not tell one light's shadow, which gloss and irradiance ask for.
+    let alone = s.settings.view == View::Irradiance || s.glossy;
+    let look_up = s.shadows.look_up() || s.shadows.shared() && alone;
     let pass = plan
         .compute("light", shader, tiles::surface())
         .constant("OUTPUT", s.lit_output())
         .constant("OWN", u32::from(s.is_further()))
-        .constant("LOOK_UP", u32::from(s.shadows.look_up()))
+        .constant("LOOK_UP", u32::from(look_up))
         .constant("SLOTS", u32::from(s.shadows.slots > 0))
         .constant("CURVE", s.tone_curve())
         .constant("AO", u32::from(s.ao))
@@ -46,6 +49,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     }
     if method == Method::Moments {
         pass.constant("MASS", u32::from(s.mass)).constant("FIRST", s.levels.first_gathered());
+        pass.constant("LOOSE", u32::from(s.shadows.scattered() < s.lights as usize));
         if !s.mass {
             pass.absent("mass");
         }
@@ -66,7 +70,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     if s.shadows.slots == 0 {
         pass.absent("lit");
     }
-    let (none, read) = (s.shadows.matrices.is_empty(), s.shadows.look_up() || gaussians > 0);
+    let (none, read) = (s.shadows.matrices.is_empty(), look_up || gaussians > 0);
     let bound = read || s.settings.brings_back(Spared::ShadowMap);
     if none || !bound {
         pass.bind("shadow", "no shadow");

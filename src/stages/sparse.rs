@@ -11,8 +11,8 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     if !s.mass {
         return;
     }
-    let (side, slots) = (s.shadows.size / s.sparse_step, s.shadows.slots as u32);
+    let (side, layers) = (s.shadows.size / s.sparse_step, s.shadows.slotted_layers());
     let format = targets::describe("sparse").map_or(vk::Format::R32_SFLOAT, |t| t.format);
-    plan.image_as("sparse", format, [side; 2], slots);
-    plan.compute("sparse", &shaders::SPARSE, Domain::Threads([side, side * slots])).constant("STEP", s.sparse_step);
+    plan.image_as("sparse", format, [side; 2], layers);
+    plan.compute("sparse", &shaders::SPARSE, Domain::Threads([side, side * layers])).constant("STEP", s.sparse_step);
 }

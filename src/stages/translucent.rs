@@ -32,6 +32,7 @@ pub fn level(plan: &mut Plan, s: &Setup, i: usize) {
         .constant("STRIDE", level.stride)
         .constant("TAPS", s.taps)
         .constant("STEP", s.sparse_step)
+        .constant("SHARED", u32::from(s.shadows.shared()))
         .constant("GATHERED", i as u32 - s.levels.first_gathered())
         .bind("soft", format!("soft{i}"))
         .bind("normal", if s.detail { "facet" } else { "normal" })

@@ -45,7 +45,7 @@ fn map(bench: &Bench, set: &Set) -> Result<(LightView, [usize; 2]), StressError>
         _ => return Err(StressError::Row("only directional lights are gathered".to_owned())),
     };
     let depth = kept.iter().map(|w| f64::from(f32::from_bits(*w))).collect();
-    Ok((LightView { side: side / step, depth, rows, l: l.to_array() }, count))
+    Ok((LightView { side: side / step, depth, rows, l: l.to_array(), slot: 0, part: 1. }, count))
 }
 
 /// Differences of one level to the twin: as it is, and to twins that gather a wider Gaussian, by half of the taps, and without
@@ -59,6 +59,7 @@ fn differences(bench: &Bench, set: &Set, views: &[LightView]) -> Result<[Vec<f64
         let as_is = Gather {
             variance: f64::from(l.variance as f32),
             taps: setup.taps as usize,
+            shared: setup.shadows.shared(),
             step: setup.sparse_step as usize,
         };
         let wider = Gather { variance: 1.05 * as_is.variance, ..as_is };
@@ -131,7 +132,9 @@ fn texels(
 
 fn sets() -> Result<Vec<Set>, StressError> {
     let mut list = Vec::new();
-    for (quality, parallel, rough) in [(Quality::Low, false, false), (Quality::High, true, true)] {
+    for (quality, parallel, rough, shared) in
+        [(Quality::Low, false, false, false), (Quality::High, true, true, false), (Quality::Medium, false, true, true)]
+    {
         let mut scene = Scene::shape("shape:torus:12,9")?;
         if rough {
             // Shading normals that are not the triangles' own.
@@ -142,6 +145,10 @@ fn sets() -> Result<Vec<Set>, StressError> {
         }
         let mut set = Set::of(scene, 90., settings(Method::Moments, View::Scatter, [92, 70]));
         set.lights.push(Light::directional(70., 10., 0.4));
+        if shared {
+            // Of the second's colour.
+            set.lights.push(Light::directional(170., 40., 0.3));
+        }
         set.settings.quality = quality;
         set.profile = Some(wax().scaled(0.6));
         if parallel {
@@ -157,13 +164,15 @@ pub fn moments(bench: &Bench) -> Measured {
     let mut all: [Vec<f64>; 4] = Default::default();
     let mut kept = [0; 2];
     for set in sets()? {
-        // A target's first layer is what comes back, so each light takes a turn at being the first.
-        let mut turned = set.clone();
-        turned.lights.reverse();
+        let beyond: f32 = set.lights[1..].iter().map(|l| l.intensity).sum();
         let mut views = Vec::new();
-        for set in [&set, &turned] {
-            let (view, count) = map(bench, set)?;
-            views.push(view);
+        for (i, light) in set.lights.iter().enumerate() {
+            // A target's first layer is what comes back, so each light takes a turn at being the first.
+            let mut turned = set.clone();
+            turned.lights.rotate_left(i);
+            let (view, count) = map(bench, &turned)?;
+            let part = if i == 0 { 1. } else { light.intensity / beyond };
+            views.push(LightView { slot: i.min(1), part: f64::from(part), ..view });
             (0..2).for_each(|i| kept[i] += count[i]);
         }
         for (sum, one) in all.iter_mut().zip(differences(bench, &set, &views)?) {

@@ -146,3 +146,30 @@ pub fn many(bench: &Bench, method: Method) -> Measured {
         Measure::new("1000 not refused", said(&crowd), said(&set), "the error names both numbers"),
     ])
 }
+
+/// Lights that share channels of scattered visibility, three of one colour and two of another: the sum of what each casts alone.
+/// Blurred on the screen, where that holds to the digit; wrong is a light of the other colour.
+pub fn shared(bench: &Bench) -> Measured {
+    let mut set = Set::new("shape:torus:12,5", 90., settings(Method::Moments, View::Scatter, [92, 70]))?;
+    set.settings.no_translucent = true;
+    let (white, amber) = ([1.; 3], [1., 0.6, 0.2]);
+    let lamp = |yaw, pitch, intensity, color| Light { color, ..Light::directional(yaw, pitch, intensity) };
+    let lights = [
+        lamp(-40., 35., 0.4, white),
+        lamp(70., 10., 0.3, amber),
+        lamp(160., 40., 0.2, white),
+        lamp(-110., 5., 0.3, amber),
+        lamp(20., 70., 0.1, white),
+    ];
+    let under = |lights: &[Light]| Set { lights: lights.to_vec(), ..set.clone() }.linear(bench);
+    let mut sum = under(&lights[..1])?;
+    for light in &lights[1..] {
+        let one = under(std::slice::from_ref(light))?;
+        sum.texels.iter_mut().zip(&one.texels).for_each(|(s, o)| (0..3).for_each(|c| s[c] += o[c]));
+    }
+    let mut tinted = lights.clone();
+    tinted[4].color = amber;
+    let right = Spread::of(sum.differences(&under(&lights)?, |_| true));
+    let wrong = Spread::of(sum.differences(&under(&tinted)?, |_| true));
+    Ok(vec![Measure::new("all - sum", right.max, wrong.max, format!("{right}; wrong: one of another colour, {wrong}"))])
+}

@@ -90,6 +90,7 @@ pub const ROWS: &[Row] = &[
     Row { name: "light on the surface", holds: "the light at 1 mm", bounds: &[("outside 0..1", 1e-3), ("not finite", 0.)], quick: false, engine: Each(lighting::touching), expected: &[] },
     Row { name: "no light; a sky alone", holds: "nothing; the sky", bounds: &[("without light", 0.), ("an even sky: off .3", 0.)], quick: false, engine: Each(lighting::dark), expected: &[] },
     Row { name: "1, 64, 128, 1000 lights", holds: "sums; a refusal with its limit", bounds: &[("64, 128 - 1", 2e-3), ("1000 not refused", 0.)], quick: false, engine: Each(lighting::many), expected: &[] },
+    Row { name: "lights that share channels", holds: "the sum of each alone", bounds: &[("all - sum", 5e-4)], quick: true, engine: Once(lighting::shared), expected: &[] },
     // Edges.
     Row { name: "skin behind a card", holds: "no bleed over 60 mm", bounds: &[("behind lit", 1e-3), ("card lit", 1e-3)], quick: false, engine: Scattering(edge::card), expected: ALONE },
     Row { name: "bright background", holds: "no bleed from 60 mm behind", bounds: &[("largest change", 1e-3)], quick: false, engine: Scattering(edge::background), expected: &[] },
