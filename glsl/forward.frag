@@ -140,7 +140,7 @@ void main() {
         lit *= shade;
         if (GAUSSIANS > 0 && scatters && c < 0.) {
             float stated = THICKEST > 0. ? THICKEST * material_thickness(uv) : 0.;
-            lit = from_behind(light, l, c, p, n, stated, lit);
+            lit = from_behind(light, c, p, n, stated, lit);
         }
         if (OUTPUT == OUTPUT_IRRADIANCE) exitance += unscattered;
         else if (MASKED && scatters && scatter < 1.) exitance += mix(unscattered, lit * arriving, scatter);

@@ -318,7 +318,7 @@ void main() {
 #if METHOD == 1 || METHOD == 3
         if (GAUSSIANS > 0 && scatters && c < 0.) {
             float stated = THICKEST > 0. ? THICKEST * coat_thickness(imageLoad(coat, pixel).xy) : 0.;
-            lit_here = from_behind(light, l, c, p, n, stated, lit_here);
+            lit_here = from_behind(light, c, p, n, stated, lit_here);
         }
 #endif
         if (MASKED && share < 1.) lit_here = mix(unscattered, lit_here, share);

@@ -53,7 +53,7 @@ void main() {
         float c = dot(n, l);
         if (c >= (SLAB ? 0. : .3)) continue;
         if (SLAB) {
-            vec3 through = let_through(light, l, p, n, stated);
+            vec3 through = let_through(light, p, n, stated);
             sum += arriving * -c * through / (1. + through);
             continue;
         }

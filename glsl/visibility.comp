@@ -39,7 +39,11 @@ void main() {
         vec3 irradiance;
         vec3 l = light_arrives(light, position, irradiance);
         float c = max(dot(n, l), 0.);
+#if GEO
+        float open = light.part * shadow_visibility(light, position, bare, l, mat3(frame.world_from_view));
+#else
         float open = light.part * shadow_visibility(light, position, n, l, mat3(frame.world_from_view));
+#endif
         float v = c * open;
 #if GEO
         float w = max(dot(bare, l), 0.) * open;

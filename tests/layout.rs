@@ -40,6 +40,7 @@ fn frame() -> Layout {
         share,
         occlusion,
         sharp,
+        rise_mm,
     })
 }
 
