@@ -9,6 +9,9 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
+#[path = "glsl/sampled.rs"]
+mod sampled;
+
 fn main() {
     let root = PathBuf::from(env::var("CARGO_MANIFEST_DIR").expect("cargo sets CARGO_MANIFEST_DIR")).join("glsl");
     let out = PathBuf::from(env::var("OUT_DIR").expect("cargo sets OUT_DIR"));
@@ -37,6 +40,8 @@ struct Compiled {
     stem: String,
     stage: &'static str,
     words: Vec<u32>,
+    /// The module that samples what this one loads, where there is such.
+    sampled: Option<String>,
     reflection: Reflection,
 }
 
@@ -56,8 +61,7 @@ fn compile(file: &Path, root: &Path) -> Vec<Compiled> {
             let mut words = artifact.as_binary().to_vec();
             // The assembler writes version 1.0 whatever it was asked for.
             words[1] = 0x0001_0500;
-            let reflection = Reflection::of(&words);
-            return vec![Compiled { name: format!("{upper}_SPIRV"), stem, stage: "Compute", words, reflection }];
+            return Compiled::both(format!("{upper}_SPIRV"), &stem, "Compute", words);
         }
         _ => return Vec::new(),
     };
@@ -84,10 +88,12 @@ fn compile(file: &Path, root: &Path) -> Vec<Compiled> {
         let artifact = compiler
             .compile_into_spirv(&text, kind, &label, "main", Some(&options))
             .unwrap_or_else(|e| fail(file, &e.to_string()));
-        let words = artifact.as_binary().to_vec();
-        let reflection = Reflection::of(&words);
-        let name = format!("{upper}{suffix}{variant}");
-        compiled.push(Compiled { name, stem: stem.clone(), stage, words, reflection });
+        compiled.extend(Compiled::both(
+            format!("{upper}{suffix}{variant}"),
+            &stem,
+            stage,
+            artifact.as_binary().to_vec(),
+        ));
     }
     compiled
 }
@@ -227,7 +233,13 @@ impl<'a> Reader<'a> {
                 Op::Variable => self.variable(i, result, &mut bindings, &mut r),
                 Op::SpecConstant | Op::SpecConstantTrue | Op::SpecConstantFalse => {
                     if let Some(spec) = self.decorated(result, Decoration::SpecId) {
-                        r.constants.push(format!("({:?}, {spec})", self.name(result)));
+                        // Sides of a workgroup have no name, and are the tile's.
+                        let name = match spec {
+                            50 => "TILE_X".to_owned(),
+                            51 => "TILE_Y".to_owned(),
+                            _ => self.name(result),
+                        };
+                        r.constants.push(format!("({name:?}, {spec})"));
                     }
                 }
                 _ => {}
@@ -263,7 +275,8 @@ impl<'a> Reader<'a> {
             }
             Op::TypeSampledImage => {
                 write = false;
-                ("SampledImage", "UNDEFINED")
+                let texel = self.types[&id(&self.types[&id(&ty.operands[0])].operands[0])].class.opcode;
+                ("SampledImage", if texel == Op::TypeInt { "R32_UINT" } else { "UNDEFINED" })
             }
             Op::TypeStruct => {
                 self.blocks(pointee, &mut r.blocks);
@@ -355,10 +368,22 @@ fn format_name(operand: &Operand) -> &'static str {
 }
 
 impl Compiled {
+    /// A module and, of a compute shader that reads images, the one that samples them.
+    fn both(name: String, stem: &str, stage: &'static str, words: Vec<u32>) -> Vec<Self> {
+        let new = |name: String, words: Vec<u32>, sampled| {
+            let reflection = Reflection::of(&words);
+            Compiled { name, stem: stem.to_owned(), stage, words, sampled, reflection }
+        };
+        let second = if stage == "Compute" { sampled::sampled(&words) } else { None };
+        let second = second.map(|words| new(format!("{name}_SAMPLED"), words, None));
+        std::iter::once(new(name, words, second.as_ref().map(|s| s.name.clone()))).chain(second).collect()
+    }
+
     fn rust(&self) -> String {
         let Compiled { name, stem, stage, reflection: r, .. } = self;
+        let sampled = self.sampled.as_ref().map_or("None".to_owned(), |s| format!("Some(&{s})"));
         format!(
-            "/// `glsl/{stem}`, as compiled by the build.\npub static {name}: Shader = Shader {{ name: {name:?}, stem: {stem:?}, stage: ShaderStage::{stage}, code: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{name}.spv\")), workgroup: {:?}, push_size: {}, bindings: &[{}], constants: &[{}], blocks: &[{}] }};",
+            "/// `glsl/{stem}`, as compiled by the build.\npub static {name}: Shader = Shader {{ name: {name:?}, stem: {stem:?}, stage: ShaderStage::{stage}, code: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{name}.spv\")), sampled: {sampled}, workgroup: {:?}, push_size: {}, bindings: &[{}], constants: &[{}], blocks: &[{}] }};",
             r.workgroup,
             r.push,
             r.bindings.join(", "),

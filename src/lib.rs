@@ -11,7 +11,7 @@
 //! ```text
 //! shadow      meshes                                   -> shadow                 one layer a light, six a point light
 //! gbuffer     meshes                                   -> viewz normal albedo material (bumped)
-//! tiles       viewz                                    -> lists of 8 x 8 tiles to visit
+//! tiles       viewz                                    -> lists of tiles to visit
 //! visibility  viewz normal shadow                      -> lit                    cosine times visibility
 //! curvature   viewz normal                             -> curvature              H, K, confidence
 //! blur        viewz normal curvature lit               -> soft0.. softlit0..     one level after the other, wider each time

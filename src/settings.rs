@@ -1,5 +1,6 @@
 //! What a frame can be asked for. Declared once, as data: the command line is made from these types.
 
+use crate::gpu::suit::{Loads, Suit, Tile};
 use clap::{Args, ValueEnum};
 
 mod spared;
@@ -224,6 +225,12 @@ pub struct Settings {
     /// Which kernels run where there are two.
     #[arg(long, value_enum, default_value_t)]
     pub kernels: Kernels,
+    /// Pixels of a workgroup [default: what suits the device].
+    #[arg(long, value_enum)]
+    pub tile: Option<Tile>,
+    /// How compute stages load images [default: what suits the device].
+    #[arg(long, value_enum)]
+    pub loads: Option<Loads>,
     /// Curvature of `preintegrated`; default: derivative at low and medium quality, vertex above.
     #[arg(long, value_enum)]
     pub forward_curvature: Option<ForwardCurvature>,
@@ -311,6 +318,11 @@ impl Settings {
         })
     }
 
+    /// These settings on a device: what nobody asked for is what suits it.
+    pub fn on(&self, suit: Suit) -> Suit {
+        Suit { tile: self.tile.unwrap_or(suit.tile), loads: self.loads.unwrap_or(suit.loads) }
+    }
+
     /// Whether this runs although the scene may not need it.
     pub fn brings_back(&self, what: Spared) -> bool {
         self.no_elide.iter().any(|x| *x == what || *x == Spared::All)
@@ -326,6 +338,8 @@ impl Default for Settings {
             passes: None,
             resolution: None,
             kernels: Kernels::default(),
+            tile: None,
+            loads: None,
             forward_curvature: None,
             integral: Integral::default(),
             texturing: Texturing::default(),

@@ -39,7 +39,7 @@ pub struct Binding {
     pub read: bool,
     /// The shader writes it.
     pub write: bool,
-    /// Declared texel format of a storage image; UNDEFINED where it has none.
+    /// Declared texel format of a storage image; UNDEFINED where it has none. Of a sampled one R32_UINT for integers, else UNDEFINED.
     pub format: vk::Format,
 }
 
@@ -65,6 +65,8 @@ pub struct Shader {
     pub stage: ShaderStage,
     /// SPIR-V, little endian.
     pub code: &'static [u8],
+    /// The same, made by the build to sample the images that this one loads; none where it loads none.
+    pub sampled: Option<&'static Shader>,
     /// Threads of a workgroup.
     pub workgroup: [u32; 3],
     /// Bytes of push constants.

@@ -12,6 +12,8 @@ mod energy;
 mod same_bits;
 #[path = "invariants/spared.rs"]
 mod spared;
+#[path = "invariants/suits.rs"]
+mod suits;
 #[path = "invariants/symmetry.rs"]
 mod symmetry;
 
@@ -33,6 +35,7 @@ const CHECKS: &[(&str, Check)] = &[
     ("radius 0 is lambert, to the bit", same_bits::radius_zero),
     ("no profile is lambert, to the bit", same_bits::no_profile),
     ("leaving out changes no bit", spared::left_out),
+    ("what suits a device changes no bit", suits::same_bits),
     ("what scatters nowhere is a plain deferred frame", spared::plain),
     ("another view records nothing again", spared::looks),
     ("shadow maps stay while lights do", spared::still),

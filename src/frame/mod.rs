@@ -24,7 +24,7 @@ pub use setup::{Output, Setup};
 use crate::gpu::pipeline::Pipeline;
 use crate::gpu::submit::Recorded;
 use crate::gpu::timing::TimingMode;
-use crate::gpu::{Block, Buffer, Gpu, GpuError, Image};
+use crate::gpu::{Block, Buffer, Gpu, GpuError, Image, Suit};
 use crate::methods;
 use crate::plan::{Need, Plan, PlanError};
 use crate::scene::{Camera, Draw, Light, Material, Scene};
@@ -152,7 +152,7 @@ impl Renderer {
         let mut times = CpuTimes::default();
         let start = Instant::now();
         let setups = Setup::all(&inputs)?;
-        let mut plan = methods::plan(&setups)?;
+        let mut plan = methods::plan(&setups, Suit::of(gpu.info()))?;
         // What all profiles share, each of them knows.
         let setup = &setups[0];
         plan.fit(|desc| Need::on(gpu, desc));
@@ -217,12 +217,12 @@ impl Renderer {
         })
     }
 
-    /// What would run, without creating anything.
+    /// What would run, without creating anything, on a device that nobody has measured.
     ///
     /// # Errors
     /// Where a view cannot be shown.
     pub fn plan_only(inputs: &Inputs<'_>) -> Result<Plan, FrameError> {
-        Ok(methods::plan(&Setup::all(inputs)?)?)
+        Ok(methods::plan(&Setup::all(inputs)?, Suit::default())?)
     }
 
     /// The frame, decided.
@@ -260,7 +260,7 @@ impl Renderer {
     /// As [`Renderer::new`].
     pub fn look(&mut self, inputs: &Inputs<'_>) -> Result<bool, FrameError> {
         let setups = Setup::after(&self.setups, inputs)?;
-        let plan = methods::plan(&setups)?;
+        let plan = methods::plan(&setups, Suit::of(self.gpu.info()))?;
         let alike = |(a, b): (&Setup, &Setup)| {
             a.levels == b.levels
                 && a.kernel.len() == b.kernel.len()
@@ -319,7 +319,7 @@ impl Renderer {
         self.read("exr", |bytes| bytes.chunks_exact(16).map(bytemuck::pod_read_unaligned).collect())
     }
 
-    /// How many 8 x 8 tiles each list of the last run holds.
+    /// How many tiles each list of the last run holds.
     ///
     /// # Errors
     /// Where the device is lost.

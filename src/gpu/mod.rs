@@ -11,6 +11,7 @@ pub mod image;
 pub mod pass;
 pub mod pipeline;
 pub mod submit;
+pub mod suit;
 pub mod timing;
 pub mod usage;
 pub mod validation;
@@ -18,6 +19,7 @@ pub mod validation;
 pub use buffer::Buffer;
 pub use device::{DeviceInfo, Gpu, Options};
 pub use image::{Block, Image, ImageDesc, Sampler};
+pub use suit::Suit;
 pub use usage::Usage;
 
 use ash::vk;

@@ -318,7 +318,8 @@ impl Special {
     fn new(shader: &Shader, constants: Constants<'_>) -> Self {
         let mut special = Special { entries: Vec::new(), data: Vec::new() };
         for (name, value) in constants {
-            if let Some((_, id)) = shader.constants.iter().find(|c| c.0 == *name) {
+            // The tile's sides have two ids: the workgroup's own, and the numbers to reckon with.
+            for (_, id) in shader.constants.iter().filter(|c| c.0 == *name) {
                 let offset = special.data.len() as u32;
                 special.entries.push(vk::SpecializationMapEntry { constant_id: *id, offset, size: 4 });
                 special.data.extend_from_slice(&value.to_le_bytes());

@@ -13,6 +13,7 @@ mod wrap;
 
 use crate::frame::resources::external;
 use crate::frame::setup::Setup;
+use crate::gpu::Suit;
 use crate::plan::{Plan, PlanError};
 use crate::settings::{Method, Settings, Spared, View};
 use crate::skin::profile::{Gaussian, Profile};
@@ -23,9 +24,10 @@ use crate::stages;
 ///
 /// # Errors
 /// Where a stage and its shader disagree, or a view shows what the method does not make.
-pub fn plan(setups: &[Setup]) -> Result<Plan, PlanError> {
+pub fn plan(setups: &[Setup], suit: Suit) -> Result<Plan, PlanError> {
     let mut plan = Plan { external: external(setups.len()), ..Plan::default() };
     let Some(first) = setups.first() else { return Ok(plan) };
+    plan.suit = first.settings.on(suit);
     let back = |what| first.settings.brings_back(what);
     (plan.textured, plan.cut_out) = (back(Spared::Textures) && first.uvs, back(Spared::AlphaTest));
     plan.image(first.picture(), first.size);

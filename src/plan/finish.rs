@@ -123,7 +123,10 @@ impl Plan {
     /// A texel to bind where a specialised shader names a resource that it will not read.
     fn placeholder(&mut self, kind: BindingKind, format: vk::Format) -> String {
         let sampled = kind == BindingKind::SampledImage;
-        let format = if sampled { vk::Format::R8G8B8A8_UNORM } else { format };
+        let format = match format {
+            vk::Format::UNDEFINED if sampled => vk::Format::R8G8B8A8_UNORM,
+            format => format,
+        };
         let name = format!("absent {} {format:?}", if sampled { "sampled" } else { "storage" });
         if !self.targets.contains_key(&name) {
             self.image_as(&name, format, [1, 1], 1);

@@ -4,6 +4,7 @@
 
 use crate::gpu::image::ImageDesc;
 use crate::gpu::pipeline::Raster;
+use crate::gpu::suit::{Loads, Suit};
 use crate::gpu::usage::{Barrier, Usage};
 use crate::settings::Spared;
 use crate::shaders::Shader;
@@ -183,6 +184,8 @@ pub struct Plan {
     pub cut_out: bool,
     /// What was left out.
     pub left_out: Vec<LeftOut>,
+    /// How it runs on the device that it is for.
+    pub suit: Suit,
     /// Resources made outside of the frame and never written by it (scene buffers, tables).
     pub external: Vec<String>,
     /// What is added belongs to this profile of several; none: to all of them, or there is one.
@@ -323,9 +326,11 @@ impl Plan {
     /// Adds a compute pass; what it touches is read from the shader.
     pub fn compute(&mut self, name: &str, shader: &'static Shader, domain: Domain) -> &mut Pass {
         let tiles = if let Domain::Tiles(list) = &domain { Some(list.clone()) } else { None };
+        let shader = shader.sampled.filter(|_| self.suit.loads == Loads::Sampled).unwrap_or(shader);
+        let [width, height] = self.suit.tile.sides();
         let pass = self.pass(name, Work::Compute { shader, domain });
         if let Some(list) = tiles {
-            pass.bind("tile_list", list);
+            pass.bind("tile_list", list).constant("TILE_X", width).constant("TILE_Y", height);
         }
         pass
     }

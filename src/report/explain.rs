@@ -204,7 +204,10 @@ fn domain(pass: &Pass) -> String {
             let [x, y, _] = shader.workgroup;
             match domain {
                 Domain::Threads([w, h]) => format!("{w} x {h} threads in groups of {x} x {y}"),
-                Domain::Tiles(list) => format!("the tiles listed in {list}, in groups of {x} x {y}"),
+                Domain::Tiles(list) => {
+                    let side = |name| pass.constants.iter().find(|c| c.0 == name).map_or(0, |c| c.1);
+                    format!("the tiles listed in {list}, of {} x {}", side("TILE_X"), side("TILE_Y"))
+                }
             }
         }
         Work::Raster { geometry: Geometry::Depth, .. } => "all meshes in one draw, positions alone".to_owned(),

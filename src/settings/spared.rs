@@ -8,7 +8,7 @@ use clap::ValueEnum;
 pub enum Spared {
     /// All of these.
     All,
-    /// Tiles of 8 x 8 pixels that hold no surface, or none that scatters.
+    /// Tiles, 64 pixels each, that hold no surface, or none that scatters.
     Tiles,
     /// Curvature that neither the method nor ambient occlusion reads.
     Curvature,

@@ -1,4 +1,4 @@
-//! tiles: viewz -> lists of the 8 x 8 tiles that hold a surface, and that hold a scattering one, at each stride in use.
+//! tiles: viewz -> lists of the tiles that hold a surface, and that hold a scattering one, at each stride in use.
 
 use crate::frame::setup::Setup;
 use crate::plan::{Domain, Plan};
@@ -37,7 +37,8 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     let mut strides: Vec<u32> = std::iter::once(1).chain(s.levels.levels.iter().map(|l| l.stride)).collect();
     strides.sort_unstable();
     strides.dedup();
-    let tiles = |stride: u32| s.size[0].div_ceil(8 * stride) * s.size[1].div_ceil(8 * stride);
+    let [width, height] = plan.suit.tile.sides();
+    let tiles = |stride: u32| s.size[0].div_ceil(width * stride) * s.size[1].div_ceil(height * stride);
     let mut lists = vec![(SURFACE, 1)];
     if s.scatters {
         lists.extend(strides.iter().map(|stride| (scatter(*stride), *stride)));
@@ -57,6 +58,8 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         let pass = plan
             .compute(&name, &shaders::TILES, Domain::Threads([tiles(stride), 1]))
             .constant("STRIDE", stride)
+            .constant("TILE_X", width)
+            .constant("TILE_Y", height)
             .constant("SURFACE", u32::from(stride == 1))
             .constant("SCATTER", u32::from(s.scatters))
             .constant("OWN", u32::from(s.is_further()))
