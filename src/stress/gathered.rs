@@ -12,13 +12,20 @@ use crate::skin::curvature;
 use crate::skin::gather::{Gather, LightView, Seen, level, sparse};
 use crate::skin::octahedral;
 
-/// The words of targets after a frame, each one word a texel but for levels, which have two.
-fn targets(bench: &Bench, set: &Set, names: &[&str]) -> Result<Vec<Vec<u32>>, StressError> {
+/// The words of targets after a frame, each one word a texel but for levels, which have two; as they are where nothing is gathered,
+/// if so asked.
+fn targets(bench: &Bench, set: &Set, gathers: bool, names: &[&str]) -> Result<Vec<Vec<u32>>, StressError> {
+    let mut planned = Ok(());
     let keep = |plan: &mut Plan| {
+        if !gathers {
+            plan.passes.retain(|p| !p.name.starts_with("translucent"));
+            planned = plan.finish();
+        }
         names.iter().for_each(|n| plan.keep(n));
         plan.fit(|desc| Need::on(&bench.gpu, desc));
     };
     let mut renderer = Renderer::edited(&bench.gpu, set.inputs(), keep)?;
+    planned.map_err(|e| StressError::Row(e.to_string()))?;
     renderer.run()?;
     let words = |name: &&str| -> Result<Vec<u32>, StressError> {
         Ok(renderer.texels(name)?.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect())
@@ -29,7 +36,7 @@ fn targets(bench: &Bench, set: &Set, names: &[&str]) -> Result<Vec<Vec<u32>>, St
 /// The first light's map, and how many texels of what is kept of it are not the twin's: as they are, and from the cells' corners.
 fn map(bench: &Bench, set: &Set) -> Result<(LightView, [usize; 2]), StressError> {
     let setup = Setup::all(&set.inputs())?.swap_remove(0);
-    let [whole, kept]: [Vec<u32>; 2] = match targets(bench, set, &["shadow", "sparse"])?.try_into() {
+    let [whole, kept]: [Vec<u32>; 2] = match targets(bench, set, true, &["shadow", "sparse"])?.try_into() {
         Ok(both) => both,
         Err(_) => return Err(StressError::Row("two targets were asked for".to_owned())),
     };
@@ -101,11 +108,9 @@ fn texels(
     let [soft, lit, geo] = ["soft", "softlit", "softgeo"].map(|n| format!("{n}{i}"));
     let mut names = vec!["viewz", if setup.detail { "facet" } else { "normal" }, "mass", &soft, &lit];
     names.extend(setup.detail.then_some(&*geo));
-    let after = targets(bench, set, &names)?;
+    let after = targets(bench, set, true, &names)?;
     // Light as the blur leaves it, before what is gathered takes its place.
-    let mut alone = set.clone();
-    alone.settings.no_translucent = true;
-    let before = targets(bench, &alone, &[&lit])?;
+    let before = targets(bench, set, false, &[&lit])?;
     let screen =
         Screen { size: set.size(), z: after[0].iter().map(|w| f64::from(f32::from_bits(*w))).collect(), camera };
     let stride = l.stride as usize;
