@@ -37,7 +37,9 @@ fn set(method: Method, view: View, halves: [Option<usize>; 2]) -> Set {
     let mut set = Set::new("shape:sphere:20", 110., settings(method, view, SIZE));
     set.scene = Arc::new(sphere(halves));
     set.lights = vec![Light::directional(70., 25., 1.), Light::directional(-60., 10., 0.3)];
-    (set.settings.quality, set.settings.transmittance) = (Quality::High, Some(Transmittance::Slab));
+    // Over its own maps, thousands of texels wide at high, light takes seconds a frame.
+    let quality = if method == Method::TextureSpace { Quality::Low } else { Quality::High };
+    (set.settings.quality, set.settings.transmittance) = (quality, Some(Transmittance::Slab));
     // One profile has its hidden light from the shadow map; several have not.
     set.settings.no_translucent = true;
     set
@@ -51,11 +53,13 @@ fn draw(gpu: &Arc<Gpu>, set: &Set, profiles: &[Profile]) -> Picture {
     Picture { size: set.size(), texels: renderer.linear().expect("a linear picture") }
 }
 
-/// Greatest difference, and how many pixels were compared, where `of` says that a pixel is this half's.
+/// Greatest difference, and how many pixels were compared, where `of` says that a pixel is this half's. Two pixels aside: whether
+/// a texel of a shadow map is nearer than the surface is a step, and distances that lose bits to a number may fall beyond it.
 fn apart(a: &Picture, b: &Picture, of: impl Fn(usize) -> bool) -> (f32, usize) {
-    let pixels: Vec<usize> = (0..a.texels.len()).filter(|i| of(*i)).collect();
-    let far = |i: &usize| (0..3).map(|c| (a.texels[*i][c] - b.texels[*i][c]).abs()).fold(0., f32::max);
-    (pixels.iter().map(far).fold(0., f32::max), pixels.len())
+    let far = |i: usize| (0..3).map(|c| (a.texels[i][c] - b.texels[i][c]).abs()).fold(0., f32::max);
+    let mut pixels: Vec<f32> = (0..a.texels.len()).filter(|i| of(*i)).map(far).collect();
+    pixels.sort_unstable_by(|a, b| b.total_cmp(a));
+    (pixels[2], pixels.len())
 }
 
 pub fn check(gpu: &Arc<Gpu>) -> Vec<String> {
@@ -87,7 +91,7 @@ pub fn check(gpu: &Arc<Gpu>) -> Vec<String> {
             );
             // Distances lose their last three bits to the profile's number.
             let blurs = !matches!(method, Method::Lambert | Method::Wrap | Method::Preintegrated);
-            if a > 2e-3 || b > 2e-3 || n < 1000 || m < 1000 {
+            if a > 1e-3 || b > 1e-3 || n < 1000 || m < 1000 {
                 wrong.push(format!("{method:?} {view:?}: {a} {b}"));
             }
             if *method != Method::Lambert && (blurs && crossed < 4e-3 || other < 4e-3) {
