@@ -16,6 +16,7 @@
 #define LAYERED
 #include "common/coat.glsl"
 #include "common/material.glsl"
+#include "common/rise.glsl"
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
 #include "common/thickness.glsl"
@@ -55,6 +56,7 @@ layout(location = 0) in vec3 view_normal;
 layout(location = 1) in vec4 uv;
 layout(location = 2) in vec4 view_tangent;
 layout(location = 3) in float view_distance;
+layout(location = 6) in float plane;
 #if BEND
 layout(location = 4) in float bend;
 #endif
@@ -95,6 +97,7 @@ void main() {
 
     vec3 color = clamp(base.rgb, 0., 1.);
     vec3 v = view_direction(p);
+    vec3 from = p + n * rise(view_normal, plane, p, gl_FrontFacing);
     vec3 f0 = gloss_f0(reflectance, color, rm.y, over);
     bool scatters = scatter > 0.;
     vec4 widths = kernel.entry[0];
@@ -128,7 +131,7 @@ void main() {
         vec3 shade = vec3(1.);
         if (SHADOWS && light.layer >= 0) {
             seen = scatters ? shadow_disc(light, p, n, l, curvature, .5 * widths.w, TAPS, turn, mat3(frame.world_from_view))
-                            : shadow_visibility(light, p, n, l, mat3(frame.world_from_view));
+                            : shadow_visibility(light, from, n, l, mat3(frame.world_from_view));
             shade = TAPS > 1 && scatters ? penumbra_look_up(penumbra, seen, c) : vec3(seen);
         }
         vec3 lit = max(cosine, 0.), unscattered = max(dot(b, l), 0.) * seen * arriving;

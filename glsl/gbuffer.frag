@@ -6,15 +6,15 @@
 // material RGBA8     r roughness, g metallic, b occlusion, a square root of F0
 // bumped   R32_UINT  normal with the normal map, only where the scene has one
 // mass     RGB10_A2  half the reciprocal of the mass of each gathered level, only where light is gathered
-// facet    R32_UINT  normal of the triangle itself, only where shading normals stray from it and light is gathered
+// facet    R32_UINT  the triangle itself (common/facet_code.glsl), only where shading normals stray from it and shadows fall
 // coat     RG32UI    coat, sheen, tint of F0, thickness (common/coat.glsl), only where some material has any of it
 // chart    R32_UINT  texture coordinate, 2 x unorm16, only for methods that work over it
-// variants: plain BUMPED=4; chart CHART=4 BUMPED=5; mass MASS=4; mass_facet MASS=4 FACET=5; bumped_mass_facet BUMPED=4 MASS=5 FACET=6; plain_coat LAYERED=4 BUMPED=5; chart_coat LAYERED=4 CHART=5 BUMPED=6; mass_coat LAYERED=4 MASS=5; mass_facet_coat LAYERED=4 MASS=5 FACET=6; bumped_mass_facet_coat LAYERED=4 BUMPED=5 MASS=6 FACET=7
+// variants: plain BUMPED=4; chart CHART=4 BUMPED=5; mass MASS=4; facet FACET=4 BUMPED=5; chart_facet CHART=4 FACET=5 BUMPED=6; mass_facet MASS=4 FACET=5 BUMPED=6; plain_coat LAYERED=4 BUMPED=5; chart_coat LAYERED=4 CHART=5 BUMPED=6; mass_coat LAYERED=4 MASS=5; facet_coat LAYERED=4 FACET=5 BUMPED=6; chart_facet_coat LAYERED=4 CHART=5 FACET=6 BUMPED=7; mass_facet_coat LAYERED=4 MASS=5 FACET=6 BUMPED=7
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "common/octahedral.glsl"
-#ifdef MASS
+#if defined(MASS) || defined(FACET)
 #include "common/frame.glsl"
 #endif
 
@@ -23,6 +23,10 @@
 #endif
 #include "common/material.glsl"
 #include "common/profile_code.glsl"
+#ifdef FACET
+#include "common/facet_code.glsl"
+#include "common/rise.glsl"
+#endif
 
 layout(constant_id = 12) const bool SEVERAL = false;   // several profiles scatter
 
@@ -30,6 +34,9 @@ layout(location = 0) in vec3 view_normal;
 layout(location = 1) in vec4 uv;
 layout(location = 2) in vec4 view_tangent;
 layout(location = 3) in float view_distance;
+#ifdef FACET
+layout(location = 6) in float plane;
+#endif
 
 layout(location = 0) out float viewz;
 layout(location = 1) out uint normal;
@@ -80,14 +87,13 @@ void main() {
         float x = kernel_mass.w * inversesqrt(frame.level[k].w);
         whole[k - FIRST] /= 1. + exp2(-x * (2.30485 + .101797 * x * x));
     }
-#ifdef FACET
-    vec3 p = view_position(ivec2(gl_FragCoord.xy), view_distance);
-    vec3 f = cross(dFdx(p), dFdy(p));
-    float ff = dot(f, f);
-    f = ff > 0. ? f * inversesqrt(ff) : n;
-    facet = octahedral_encode(dot(f, view_direction(p)) < 0. ? -f : f);
-#endif
     mass = vec4(.5 / max(whole, .5), 0.);
+#endif
+#ifdef FACET
+    vec3 p = view_position(ivec2(gl_FragCoord.xy), view_distance), f = cross(dFdx(p), dFdy(p));
+    float ff = dot(f, f), mm = mix(1., view_distance, frame.perspective) / frame.pixels_per_mm;
+    f = ff > 0. ? f * inversesqrt(ff) : n;
+    facet = facet_encode(dot(f, view_direction(p)) < 0. ? -f : f, rise(view_normal, plane, p, gl_FrontFacing) / mm);
 #endif
 #ifdef CHART
     chart = packUnorm2x16(uv.xy);

@@ -36,6 +36,7 @@ layout(location = 0) out vec3 view_normal;
 layout(location = 1) out vec4 out_uv;
 layout(location = 2) out vec4 view_tangent;
 layout(location = 3) out float view_distance;
+layout(location = 6) out float plane;      // of the vertex: its normal times its place
 
 // Drawn again over the picture, a surface must lie where it lay.
 invariant gl_Position;
@@ -44,7 +45,9 @@ void main() {
     gl_Position = frame.clip_from_world * vec4(position, 1.);
     mat3 rotation = mat3(frame.view_from_world);
     view_normal = rotation * normal;
-    view_distance = -(frame.view_from_world * vec4(position, 1.)).z;
+    vec3 p = (frame.view_from_world * vec4(position, 1.)).xyz;
+    view_distance = -p.z;
+    plane = dot(view_normal, p);
     out_uv = uv;
     tint = color;
 #ifdef EXTRA

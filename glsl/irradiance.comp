@@ -12,6 +12,8 @@
 #include "common/tiles.glsl"
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
+#include "common/facet_code.glsl"
+#include "common/receiver.glsl"
 #include "common/coat.glsl"
 #include "common/specular.glsl"
 #include "common/environment.glsl"
@@ -53,12 +55,13 @@ void main() {
         gloss = gloss_of(base.a > 0., dot(n, v), m.r, m.g, gloss_f0(m.a * m.a, base.rgb * base.rgb, m.g, over), over, smooth_n, v);
     }
 
+    Receiver at = receiver(pixel, p, n);
     vec3 diffuse = vec3(0.), specular = vec3(0.);
     for (int i = 0; i < LIGHTS; ++i) {
         Light light = lights.light[i];
         vec3 arriving;
         vec3 l = light_arrives(light, p, arriving);
-        if (SHADOWS && light.layer >= 0) arriving *= shadow_visibility(light, p, n, l, mat3(frame.world_from_view));
+        if (SHADOWS && light.layer >= 0) arriving *= shadow_visibility(light, at.position, at.normal, l, mat3(frame.world_from_view));
         diffuse += max(dot(n, l), 0.) * arriving;
         if (FINAL && SPECULAR) specular += gloss_light(gloss, n, v, l) * arriving;
     }

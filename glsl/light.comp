@@ -16,6 +16,8 @@
 #include "common/tiles.glsl"
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
+#include "common/facet_code.glsl"
+#include "common/receiver.glsl"
 #include "common/coat.glsl"
 #include "common/thickness.glsl"
 #include "common/specular.glsl"
@@ -265,6 +267,7 @@ void main() {
         slot1 /= weights;
     }
 #endif
+    Receiver at = receiver(pixel, p, n);
     vec3 exitance = vec3(0.), reflected = vec3(0.), arriving = vec3(0.);
     for (int i = 0; i < LIGHTS; ++i) {
         Light light = lights.light[i];
@@ -276,14 +279,14 @@ void main() {
         float shade = 1.;
         if (slotted && light.part == 1.) shade = c > 1e-3 ? min(own / c, 1.) : 0.;
         else if (LOOK_UP && light.layer >= 0) {
-            vec3 from = p;
+            vec3 from = at.position;
 #if METHOD == 3
             // Beyond the terminator a surface hides itself from the light. It is asked for from where a sphere of its
             // curvature no longer does, no further up than light travels.
             float sine = min(-c, .99);
             if (scatters && c < 0.) from += n * min((inversesqrt(1. - sine * sine) - 1.) / max(bend, 1e-9), 4. * kernel.entry[0].w);
 #endif
-            shade = shadow_visibility(light, from, n, l, mat3(frame.world_from_view));
+            shade = shadow_visibility(light, from, at.normal, l, mat3(frame.world_from_view));
         }
         vec3 lit_here = vec3(slotted ? own : max(c, 0.) * shade), unscattered = lit_here;
 #if METHOD == 1

@@ -9,6 +9,7 @@
 #define LAYERED
 #include "common/coat.glsl"
 #include "common/material.glsl"
+#include "common/rise.glsl"
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
 #include "common/specular.glsl"
@@ -27,6 +28,7 @@ layout(location = 0) in vec3 view_normal;
 layout(location = 1) in vec4 uv;
 layout(location = 2) in vec4 view_tangent;
 layout(location = 3) in float view_distance;
+layout(location = 6) in float plane;
 
 layout(location = 0) out vec4 picture;
 
@@ -36,6 +38,7 @@ vec3 lit(vec3 color) {
     vec3 n = material_shading_normal(smooth_n, view_tangent, uv, gl_FrontFacing);
     vec2 rm = material_rough_metal(uv);
     vec3 p = view_position(ivec2(gl_FragCoord.xy), view_distance), v = view_direction(p);
+    vec3 from = p + smooth_n * rise(view_normal, plane, p, gl_FrontFacing);
     float scatter = material_scatter(uv), reflectance = material_reflectance(scatter);
     Coat over = coat_none();
     if (COATED) over = material_coat(uv, reflectance);
@@ -47,7 +50,7 @@ vec3 lit(vec3 color) {
         Light light = lights.light[i];
         vec3 irradiance;
         vec3 l = light_arrives(light, p, irradiance);
-        if (SHADOWS && light.layer >= 0) irradiance *= shadow_visibility(light, p, n, l, mat3(frame.world_from_view));
+        if (SHADOWS && light.layer >= 0) irradiance *= shadow_visibility(light, from, n, l, mat3(frame.world_from_view));
         arriving += max(dot(n, l), 0.) * irradiance;
         reflected += gloss_light(gloss, n, v, l) * irradiance;
     }

@@ -7,6 +7,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "common/frame.glsl"
 #include "common/material.glsl"
+#include "common/rise.glsl"
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
 #include "common/environment.glsl"
@@ -20,6 +21,7 @@ layout(location = 1) in vec4 uv;
 layout(location = 2) in vec4 view_tangent;
 layout(location = 3) in vec3 view_place;
 layout(location = 4) in float chart;
+layout(location = 6) in float plane;
 
 layout(location = 0) out vec4 sheet;
 layout(location = 1) out uint stretch;
@@ -30,11 +32,12 @@ void main() {
     vec2 mm = vec2(length(dFdx(view_place)), length(dFdy(view_place)));
     vec4 base = material_base(uv);
     vec3 n = material_normal(view_normal, true);
+    vec3 p = view_place + n * rise(view_normal, plane, view_place, true);
     n = material_shading_normal(n, view_tangent, uv, true);
     float occlusion = material_occlusion(uv);
     bool bare = SCATTER_MAP && material_scatter(uv) == 0.;
     if (ALPHA_MASK && base.a < push.alpha_cutoff || bare) discard;
-    vec3 p = view_place, sum = vec3(0.);
+    vec3 sum = vec3(0.);
     for (int i = 0; i < LIGHTS; ++i) {
         Light light = lights.light[i];
         vec3 arriving;

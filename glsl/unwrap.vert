@@ -28,12 +28,14 @@ layout(location = 1) out vec4 out_uv;
 layout(location = 2) out vec4 view_tangent;
 layout(location = 3) out vec3 view_place;
 layout(location = 4) out float out_chart;
+layout(location = 6) out float plane;      // of the vertex: its normal times its place
 
 void main() {
     gl_Position = vec4(sheet_place(uv.xy, 1.) * 2. - 1., 0., 1.);
     mat3 rotation = mat3(frame.view_from_world);
     view_normal = rotation * normal;
     view_place = (frame.view_from_world * vec4(position, 1.)).xyz;
+    plane = dot(view_normal, view_place);
     out_uv = uv;
     tint = color;
     view_tangent = vec4(rotation * tangent.xyz, tangent.w);

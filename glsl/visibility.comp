@@ -1,4 +1,4 @@
-// visibility: viewz, normal, shadow -> lit, and from facet -> litgeo where light is gathered and normals stray from the surface.
+// visibility: viewz, normal, facet, shadow -> lit; and litgeo where light is gathered and normals stray from the surface.
 // variants: plain GEO=0; geo GEO=1
 //
 // Clamped cosine times visibility of the lights with a slot, a channel a light, or the mean of those that share one, before it is scattered. Not
@@ -11,13 +11,14 @@
 #include "common/tiles.glsl"
 #include "common/lights.glsl"
 #include "common/shadow.glsl"
+#include "common/facet_code.glsl"
+#include "common/receiver.glsl"
 
 layout(set = 0, binding = 2, r32f) uniform readonly image2D viewz;
 layout(set = 0, binding = 3, r32ui) uniform readonly uimage2D normal;
 layout(set = 0, binding = 4, r32ui) uniform writeonly uimage2D lit;
 
 #if GEO
-layout(set = 0, binding = 5, r32ui) uniform readonly uimage2D facet;
 layout(set = 0, binding = 6, r32ui) uniform writeonly uimage2D litgeo;
 #endif
 
@@ -28,9 +29,9 @@ void main() {
     if (z == 0.) return;
     vec3 position = view_position(pixel, z);
     vec3 n = octahedral_decode(imageLoad(normal, pixel).x);
+    Receiver at = receiver(pixel, position, n);
     vec2 seen = vec2(0.);
 #if GEO
-    vec3 bare = octahedral_decode(imageLoad(facet, pixel).x);
     vec2 seen_bare = vec2(0.);
 #endif
     for (int i = 0; i < LIGHTS; ++i) {
@@ -39,14 +40,10 @@ void main() {
         vec3 irradiance;
         vec3 l = light_arrives(light, position, irradiance);
         float c = max(dot(n, l), 0.);
-#if GEO
-        float open = light.part * shadow_visibility(light, position, bare, l, mat3(frame.world_from_view));
-#else
-        float open = light.part * shadow_visibility(light, position, n, l, mat3(frame.world_from_view));
-#endif
+        float open = light.part * shadow_visibility(light, at.position, at.normal, l, mat3(frame.world_from_view));
         float v = c * open;
 #if GEO
-        float w = max(dot(bare, l), 0.) * open;
+        float w = max(dot(at.normal, l), 0.) * open;
         if (light.slot == 0) seen_bare.x += w; else seen_bare.y += w;
 #endif
         if (light.slot == 0) seen.x += v; else seen.y += v;

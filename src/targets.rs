@@ -25,7 +25,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "coat", format: vk::Format::R32G32_UINT, meaning: "x: coat's share 6 bits, its roughness 6, tint of F0 5 5 5, F90 5; y: square root of sheen 6 6 6, its roughness 6, square root of thickness over the frame's most 8. gbuffer writes; light, irradiance, combine, transmittance read" },
     Target { name: "curvature", format: vk::Format::R32G32_UINT, meaning: "x: H in 1/mm as f32 bits, convex > 0; y: half sign(K) sqrt|K| times the pixel's footprint, half confidence 0..1. curvature writes; blur, light (wrap) read" },
     Target { name: "mass", format: vk::Format::A2B10G10R10_UNORM_PACK32, meaning: "half the reciprocal of the kernel's mass for each gathered level, 0..1. gbuffer writes; translucent, light read" },
-    Target { name: "facet", format: vk::Format::R32_UINT, meaning: "normal of the triangle itself, view space, octahedral, 2 x snorm16. gbuffer writes, visibility reads" },
+    Target { name: "facet", format: vk::Format::R32_UINT, meaning: "normal of the triangle itself, view space, octahedral, 2 x snorm16, in the lowest five bits of each how far the surface rises above it (common/facet_code.glsl). gbuffer writes, what asks shadow maps reads" },
     Target { name: "lit", format: vk::Format::R32_UINT, meaning: "clamped cosine times visibility of two lights, 0..1, 2 x unorm16. visibility writes; blur, light read" },
     Target { name: "soft", format: vk::Format::R32G32_UINT, meaning: "blurred level: un-normalised mean normal, view space, 3 x snorm16; H times the profile's length, half. blur writes and reads, light reads" },
     Target { name: "litgeo", format: vk::Format::R32_UINT, meaning: "`lit` by the triangles' own normals, 2 x unorm16. visibility writes, blur reads" },

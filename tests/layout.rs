@@ -40,7 +40,6 @@ fn frame() -> Layout {
         share,
         occlusion,
         sharp,
-        rise_mm,
     })
 }
 

@@ -25,7 +25,6 @@ layout(set = 0, binding = 0, scalar) uniform FrameBlock {
     vec4 share[MAX_LEVELS + 1];// pdss: per-channel share of level i - 1; entry 0 is the unblurred normal
     vec4 occlusion[MAX_LEVELS];// x: AO radius in units of length_mm, y: share of the level
     vec4 sharp;                // weight rgb of all Gaussians narrower than a pixel
-    float rise_mm;             // how far the surface that vertex normals mean rises above its triangles, on average
 } frame;
 
 // Ray through a pixel, view space, z = -1.

@@ -30,9 +30,9 @@ float shadow_fetch(int layer, vec3 p) {
 }
 
 // `normal` is the surface's own where the caller has it. Each texel is held against the tangent plane where the texel is, so that a
-// plane never shades itself. Left to an offset towards the light is what surfaces bend within a texel, and what the surface that
-// vertex normals mean rises above its triangles (Hanika 2021): both grow with the square of the slope, and end where they would reach
-// through an ear. A lift along the normal, large enough for the slope itself, moved the edges of shadows by a pixel.
+// plane never shades itself. Left to an offset towards the light is what surfaces bend within a texel, which grows with the square of
+// the slope. A lift along the normal, large enough for the slope itself, moved the edges of shadows by a pixel. What vertex
+// normals mean above coarse triangles is `position`'s already (rise.glsl).
 float shadow_visibility(Light light, vec3 position, vec3 normal, vec3 l, mat3 world_from_view) {
     int layer = light.layer;
     float texel = light.texel_mm;
@@ -45,7 +45,7 @@ float shadow_visibility(Light light, vec3 position, vec3 normal, vec3 l, mat3 wo
     float c = dot(normal, l), steep = c < 0. ? min(c, -.1) : max(c, .1);
     vec3 n = normal + l * (steep - c);
     mat4 m = lights.shadow_from_view[layer];
-    float bent = min((.3 * texel + .4 * frame.rise_mm) / (steep * steep), 2. * texel + 10. * frame.rise_mm);
+    float bent = min(.3 * texel / (steep * steep), 2. * texel);
     vec4 q = m * vec4(position + l * (.3 * texel + bent), 1.);
     vec3 plane;
     if (ALL_DIRECTIONAL || light.kind == LIGHT_DIRECTIONAL) {

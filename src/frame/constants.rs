@@ -54,7 +54,6 @@ fn frame_block(inputs: &Inputs<'_>, s: &Setup, lut_knee: f32, sky: f32) -> Frame
     block.pixels_per_mm = s.view.pixels_per_mm as f32;
     block.origin = inputs.scene.origin.as_vec3().to_array();
     block.light_unit = light_unit(&inputs.lights, sky, &inputs.scene.positions, &inputs.scene.bounds);
-    block.rise_mm = s.shadows.rise_mm;
     block.ambient_mean = std::array::from_fn(|c| (up[c] + down[c]) / 2.);
     block.ambient_slope = std::array::from_fn(|c| (up[c] - down[c]) / 2.);
     block.exposure = settings.exposure.unwrap_or(0.).exp2();

@@ -77,6 +77,8 @@ pub struct Setup {
     pub behind: u32,
     /// Light is gathered, and divided by the kernel's mass.
     pub mass: bool,
+    /// Shadows fall where shading normals stray from the triangles' own.
+    pub facets: bool,
     /// Gathered light lacks what shading normals add to the triangles' own; that is blurred beside it.
     pub detail: bool,
     /// Samples of each gathered Gaussian and light.
@@ -262,7 +264,8 @@ impl Setup {
         let has_uvs = !scene.uvs.is_empty();
         let idle_uvs = back(Spared::TextureCoordinates) || back(Spared::Textures);
         let uvs = (idle_uvs || used(&|m| m.is_textured()) || atlas.is_some()) && has_uvs;
-        let detail = mass && before.map_or_else(|| normal_maps || super::mass::strays(scene), |b| b.detail);
+        let falls = !shadows.matrices.is_empty() && (is_lit(settings.view) || shadows.slots > 0);
+        let facets = falls && before.map_or_else(|| normal_maps || super::mass::strays(scene), |b| b.facets);
         let lit_picture = settings.view == View::Final;
         let glossy = lit_picture && (back(Spared::Specular) || settings.fuzz > 0. || used(&|m| m.reflects()));
         Ok(Setup {
@@ -273,7 +276,7 @@ impl Setup {
             output: if is_lit(settings.view) { inputs.output } else { Output::Linear },
             scatters,
             // The shaders that write mass alone have no place for it.
-            bumped: normal_maps || back(Spared::NormalMap) && (detail || !mass),
+            bumped: normal_maps || back(Spared::NormalMap) && (facets || !mass),
             normal_maps,
             uvs,
             second_uvs: uvs && !scene.second_uvs.is_empty(),
@@ -290,7 +293,8 @@ impl Setup {
             timed: inputs.timing.is_some() || back(Spared::Timestamps),
             diffuses,
             mass,
-            detail,
+            facets,
+            detail: mass && facets,
             taps,
             sparse_step,
             levels,

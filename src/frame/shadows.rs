@@ -2,7 +2,7 @@
 
 use super::Inputs;
 use super::uniforms::{LightEntry, MAX_LAYERS};
-use crate::scene::{Aabb, Light, LightKind, Scene};
+use crate::scene::{Aabb, Light, LightKind};
 use crate::settings::{Method, Quality, Settings, Spared};
 use glam::camera::rh::proj::vulkan::perspective_infinite_reverse;
 use glam::{Mat4, Vec3, Vec4};
@@ -24,8 +24,6 @@ pub struct Shadows {
     lights: Vec<Cast>,
     /// Lights beyond [`MAX_LAYERS`]: they shine through.
     pub beyond: usize,
-    /// How far the surface that vertex normals mean rises above its triangles, on average, mm.
-    pub rise_mm: f32,
     /// Lights without a map, for they reach nothing.
     pub far: usize,
 }
@@ -102,7 +100,6 @@ impl Shadows {
                 cast.part = strength(light) / all;
             }
         }
-        s.rise_mm = rise(inputs.scene);
         if s.matrices.is_empty() {
             s.why_none = if s.far > 0 { "no light reaches anything" } else { "no light is on" };
         }
@@ -180,21 +177,6 @@ fn scatters_as(a: &Light, b: &Light) -> bool {
 
 fn strength(light: &Light) -> f32 {
     light.intensity * Vec3::from(light.color).length()
-}
-
-/// A curved patch through a triangle's corners and along their normals rises above each side, halfway, by an eighth of the side's
-/// length times what the normals turn by along it: the average over the surface, mm.
-fn rise(scene: &Scene) -> f32 {
-    let (mut sum, mut area) = (0f64, 0f64);
-    for t in scene.indices.chunks_exact(3) {
-        let corner = |i: usize| Vec3::from(scene.positions[t[i % 3] as usize]);
-        let normal = |i: usize| Vec3::from(scene.normals[t[i % 3] as usize]);
-        let weight = f64::from((corner(1) - corner(0)).cross(corner(2) - corner(0)).length());
-        let side = |i: usize| (corner(i + 1) - corner(i)).dot(normal(i + 1) - normal(i)) / 8.;
-        sum += weight * (0..3).map(|i| f64::from(side(i).abs())).sum::<f64>() / 3.;
-        area += weight;
-    }
-    (sum / area.max(f64::MIN_POSITIVE)) as f32
 }
 
 /// What brings the maps of lights that reach nothing back. What went through from the side of one, `texture-space` takes from all

@@ -10,6 +10,14 @@ impl Setup {
         pass.constant("LIGHTS", self.lights).constant("ALL_DIRECTIONAL", u32::from(self.all_directional));
     }
 
+    /// Binds what a pass that asks shadow maps knows of the triangles, where there is any.
+    pub fn specialise_facets(&self, pass: &mut crate::plan::Pass) {
+        pass.constant("FACETS", u32::from(self.facets));
+        if !self.facets {
+            pass.absent("facet");
+        }
+    }
+
     /// Binds what light from all around is read from, or, where there is none, whatever is there anyway: specialised, the shader
     /// reads none of it.
     pub fn specialise_sky(&self, pass: &mut crate::plan::Pass) {

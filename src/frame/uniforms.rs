@@ -37,7 +37,6 @@ pub struct FrameBlock {
     pub share: [[f32; 4]; MAX_LEVELS + 1],
     pub occlusion: [[f32; 4]; MAX_LEVELS],
     pub sharp: [f32; 4],
-    pub rise_mm: f32,
 }
 
 /// One element of `LightBlock`.

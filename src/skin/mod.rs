@@ -9,6 +9,7 @@
 //! | [`gather`] | light found from the light's own view, the twin of `glsl/translucent.comp` |
 //! | [`light`] | both lighting forms, the twins of `glsl/light.comp` |
 //! | [`octahedral`] | unit vectors in 2 x 16 bit |
+//! | [`facet`] | how far a smooth surface lies above its triangles |
 //! | [`vectors`] | every formula as numbers in and out, for ports |
 //! | [`ring`] | the same on a ring, to reproduce Penner & Borshukov 2011 |
 //! | [`lut`] | either of them as a small table over (mu, curvature) that a GPU samples bilinearly |
@@ -28,6 +29,7 @@
 pub mod blur;
 pub mod burley;
 pub mod curvature;
+pub mod facet;
 pub mod gather;
 pub mod light;
 pub mod lut;

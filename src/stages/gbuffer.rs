@@ -1,5 +1,5 @@
 //! gbuffer: meshes -> depth, viewz, normal, albedo, material; bumped where the scene has a normal map; mass where light is
-//! gathered, and facet where shading normals stray from the triangles' own.
+//! gathered; facet where shadows fall and shading normals stray from the triangles' own.
 
 use crate::frame::setup::Setup;
 use crate::gpu::pipeline::Raster;
@@ -37,20 +37,20 @@ fn all(plan: &mut Plan, s: &Setup) {
     if s.atlas.is_some() {
         colors.push("chart");
     }
-    if s.bumped {
-        colors.push("bumped");
-    } else {
-        let back = (s.detail || !s.mass).then_some(Spared::NormalMap);
-        plan.leave_out("bumped", "no material has a normal map", 4 * s.pixels()).back = back;
-    }
     if s.mass {
         colors.push("mass");
     }
-    if s.detail {
+    if s.facets {
         colors.push("facet");
-    } else if s.mass {
-        let why = "shading normals are the triangles' own, to .02";
+    } else if s.lit_view() {
+        let why = "no shadow falls where shading normals stray from the triangles' own by .02";
         plan.leave_out("facet", why, 4 * s.pixels());
+    }
+    if s.bumped {
+        colors.push("bumped");
+    } else {
+        let back = (s.facets || !s.mass).then_some(Spared::NormalMap);
+        plan.leave_out("bumped", "no material has a normal map", 4 * s.pixels()).back = back;
     }
     for name in colors.iter().chain(&["depth"]) {
         plan.image(name, s.size);
@@ -66,17 +66,19 @@ fn all(plan: &mut Plan, s: &Setup) {
         plan.leave_out("vertex colours", "no vertex has one", 0);
     }
     let extra = if s.mass { Extra::Mass } else { Extra::None };
-    let fragment = match (s.mass, s.detail, s.bumped, layered) {
-        (false, _, _, false) if s.atlas.is_some() => &shaders::GBUFFER_FRAG_CHART,
-        (false, _, _, false) => &shaders::GBUFFER_FRAG_PLAIN,
-        (true, false, _, false) => &shaders::GBUFFER_FRAG_MASS,
-        (true, true, false, false) => &shaders::GBUFFER_FRAG_MASS_FACET,
-        (true, true, true, false) => &shaders::GBUFFER_FRAG_BUMPED_MASS_FACET,
-        (false, _, _, true) if s.atlas.is_some() => &shaders::GBUFFER_FRAG_CHART_COAT,
-        (false, _, _, true) => &shaders::GBUFFER_FRAG_PLAIN_COAT,
-        (true, false, _, true) => &shaders::GBUFFER_FRAG_MASS_COAT,
-        (true, true, false, true) => &shaders::GBUFFER_FRAG_MASS_FACET_COAT,
-        (true, true, true, true) => &shaders::GBUFFER_FRAG_BUMPED_MASS_FACET_COAT,
+    let fragment = match (s.mass, s.atlas.is_some(), s.facets, layered) {
+        (true, _, false, false) => &shaders::GBUFFER_FRAG_MASS,
+        (true, _, true, false) => &shaders::GBUFFER_FRAG_MASS_FACET,
+        (true, _, false, true) => &shaders::GBUFFER_FRAG_MASS_COAT,
+        (true, _, true, true) => &shaders::GBUFFER_FRAG_MASS_FACET_COAT,
+        (_, false, false, false) => &shaders::GBUFFER_FRAG_PLAIN,
+        (_, false, true, false) => &shaders::GBUFFER_FRAG_FACET,
+        (_, false, false, true) => &shaders::GBUFFER_FRAG_PLAIN_COAT,
+        (_, false, true, true) => &shaders::GBUFFER_FRAG_FACET_COAT,
+        (_, true, false, false) => &shaders::GBUFFER_FRAG_CHART,
+        (_, true, true, false) => &shaders::GBUFFER_FRAG_CHART_FACET,
+        (_, true, false, true) => &shaders::GBUFFER_FRAG_CHART_COAT,
+        (_, true, true, true) => &shaders::GBUFFER_FRAG_CHART_FACET_COAT,
     };
     let state = state(s, &colors, extra);
     // A viewz of 0 says that nothing else of the pixel means anything, so nothing else is cleared.

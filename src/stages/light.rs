@@ -55,6 +55,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         }
     }
     s.specialise_lights(pass);
+    s.specialise_facets(pass);
     s.specialise_sky(pass);
     s.specialise_gloss(pass);
     for i in 0..MAX_LEVELS {

@@ -1,4 +1,4 @@
-//! visibility: viewz, normal, shadow -> lit. Apart from `light`, because the blur scatters it.
+//! visibility: viewz, normal, facet, shadow -> lit. Apart from `light`, because the blur scatters it.
 
 use super::tiles;
 use crate::frame::setup::Setup;
@@ -18,4 +18,5 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     }
     let pass = plan.compute("visibility", shader, tiles::surface());
     s.specialise_lights(pass.bind("normal", s.shading_normal()));
+    s.specialise_facets(pass);
 }
