@@ -1,4 +1,4 @@
-// sparse: shadow -> sparse. Every STEPth texel of the shadow maps of the lights with a slot, for `translucent`.
+// sparse: shadow, inert -> sparse. Every STEPth texel of the shadow maps of the lights with a slot, for `translucent`.
 //
 // A gathered Gaussian is wide beside a texel, and its offsets lie far apart: each would fetch a line of memory of its own. One
 // texel in so many fits a cache. Taken as they are, not averaged: a depth between two surfaces is none.
@@ -6,10 +6,12 @@
 #extension GL_GOOGLE_include_directive : require
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(constant_id = 0) const int STEP = 8;   // even
+layout(constant_id = 0) const int STEP = 8;             // even
+layout(constant_id = 1) const bool INERT = false;       // some of what casts shadows does not scatter
 
 layout(set = 0, binding = 0, r32f) uniform writeonly image2DArray sparse;
 layout(set = 0, binding = 29) uniform sampler2DArray shadow;
+layout(set = 0, binding = 1) uniform sampler2DArray inert;
 
 void main() {
     ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -17,5 +19,8 @@ void main() {
     int layer = at.y / size.y;
     at.y -= layer * size.y;
     if (at.x >= size.x || layer >= size.z) return;
-    imageStore(sparse, ivec3(at, layer), vec4(texelFetch(shadow, ivec3(at * STEP + STEP / 2, layer), 0).r));
+    float depth = texelFetch(shadow, ivec3(at * STEP + STEP / 2, layer), 0).r;
+    // Drawn with other steps of the raster, the same surface is 1e-6 off.
+    if (INERT && texelFetch(inert, ivec3(at, layer), 0).r > depth - 1e-5) depth = 0.;
+    imageStore(sparse, ivec3(at, layer), vec4(depth));
 }

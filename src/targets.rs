@@ -44,7 +44,8 @@ pub const TARGETS: &[Target] = &[
     Target { name: "exr", format: vk::Format::R32G32B32A32_SFLOAT, meaning: "radiance, linear Rec. 709, or a view; a coverage. light or view writes, overlay draws over, tonemap or the host reads" },
     Target { name: "ldr", format: vk::Format::R8G8B8A8_UNORM, meaning: "tone-mapped, sRGB-encoded picture; a coverage. light or tonemap writes, the host reads" },
     Target { name: "shadow", format: vk::Format::D32_SFLOAT, meaning: "depth from each light, reversed, one layer a light (six a point light). shadow writes; visibility, light sample" },
-    Target { name: "sparse", format: vk::Format::R32_SFLOAT, meaning: "every so many-th texel of `shadow`, a layer a light with a slot. sparse writes, translucent reads" },
+    Target { name: "inert", format: vk::Format::D32_SFLOAT, meaning: "depth of what does not scatter, in the texels of `shadow` that `sparse` keeps. inert writes, sparse samples" },
+    Target { name: "sparse", format: vk::Format::R32_SFLOAT, meaning: "every so many-th texel of `shadow`, a layer a light with a slot; 0 where it is of what does not scatter. sparse writes, translucent reads" },
     Target { name: "entrance", format: vk::Format::R32_UINT, meaning: "texture coordinate of what each light meets first, 2 x unorm16, layers as `shadow`; all bits set where it does not scatter. entrance writes, gather reads" },
 ];
 

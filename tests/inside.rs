@@ -4,8 +4,10 @@ mod studio;
 
 use glam::Vec3;
 use pdss::frame::Renderer;
+use pdss::plan::Plan;
 use pdss::scene::{Camera, Filter, Light, Scene, Texture, Wrap};
 use pdss::settings::{Method, Quality, Transmittance, View};
+use pdss::truth;
 use std::sync::Arc;
 use studio::{Picture, Set, settings};
 
@@ -281,5 +283,46 @@ fn a_normal_map_on_the_second_coordinates_is_the_same_model_authored_on_one() {
         // At the seam between the two texels a pixel may fall on either side.
         assert!(off <= want.covered().count() / 50 && seen > want.covered().count() / 4, "{method:?}");
     }
+    studio::close(gpu);
+}
+
+/// Light that falls on hair does not enter the skin beside it, though the shadow map holds both.
+#[test]
+fn what_does_not_scatter_gives_no_light() {
+    let gpu = studio::open();
+    let mut set = Set::new("shape:sphere:12", 70., settings(Method::Moments, View::Scatter, [128, 96]));
+    set.settings.quality = Quality::High;
+    set.lights = vec![Light::directional(20., 25., 1.)];
+    change(&mut set, |scene| {
+        let left = |t: &[u32]| t.iter().map(|i| scene.positions[*i as usize][0]).sum::<f32>() < 0.;
+        let (skin, hair): (Vec<&[u32]>, Vec<&[u32]>) = scene.indices.chunks(3).partition(|t| left(t));
+        let (skin, hair) = (skin.concat(), hair.concat());
+        scene.materials.push(scene.materials[0].clone());
+        scene.materials[1].scatter = None;
+        scene.draws.push(scene.draws[0]);
+        scene.draws[0].index_count = skin.len() as u32;
+        (scene.draws[1].first_index, scene.draws[1].index_count) = (skin.len() as u32, hair.len() as u32);
+        scene.draws[1].material = 1;
+        scene.indices = [skin, hair].concat();
+    });
+    let effort = truth::Effort { samples: 60_000, ..truth::Effort::default() };
+    let truth = truth::solve(&set.inputs(), None, &effort, |_| ()).expect("a truth").pixels;
+    let draw = |edit: fn(&mut Plan)| {
+        let mut renderer = Renderer::edited(&gpu, set.inputs(), edit).expect("a frame");
+        renderer.run().expect("it runs");
+        let found = renderer.linear().expect("a linear picture");
+        let far = |i: usize| (0..3).map(|c| (found[i][c] - truth[i][c]).abs()).fold(0., f32::max);
+        let covered: Vec<usize> = (0..truth.len()).filter(|i| truth[*i][3] > 0.).collect();
+        let all = covered.iter().map(|i| far(*i).powi(2)).sum::<f32>();
+        ((all / covered.len() as f32).sqrt(), covered.into_iter().map(far).fold(0., f32::max))
+    };
+    let found = draw(|_| ());
+    // The twin: everything in the map scatters.
+    let blind = draw(|plan| {
+        let pass = plan.passes.iter_mut().find(|p| p.name == "sparse").expect("light is gathered");
+        pass.constants.iter_mut().filter(|c| c.0 == "INERT").for_each(|c| c.1 = 0);
+    });
+    println!("rms {:.4}, at most {:.3}; with all that the map holds {:.4}, {:.3}", found.0, found.1, blind.0, blind.1);
+    assert!(found.0 < 0.012 && blind.0 > 5. * found.0, "{found:?} {blind:?}");
     studio::close(gpu);
 }

@@ -107,6 +107,7 @@ fn drawn<'a>(
         let here = match geometry {
             Geometry::Overlay => true,
             Geometry::Unwrapped => m.scatter.is_some_and(|k| of.is_none_or(|of| of == k)) && m.alpha != Alpha::Blend,
+            Geometry::Inert => m.scatter.is_none() && m.alpha != Alpha::Blend,
             Geometry::Depth | Geometry::Casters | Geometry::Materials => m.alpha != Alpha::Blend,
         };
         d.index_count > 0 && here
@@ -138,7 +139,7 @@ pub fn pipelines(
     for pass in &plan.passes {
         let mut map = BTreeMap::new();
         match &pass.work {
-            Work::Compute { .. } | Work::Raster { geometry: Geometry::Depth, .. } => {
+            Work::Compute { .. } | Work::Raster { geometry: Geometry::Depth | Geometry::Inert, .. } => {
                 map.insert(None, jobs.len());
                 jobs.push((pass, pass.constants.clone(), vk::CullModeFlags::NONE));
             }
@@ -225,18 +226,19 @@ pub fn record(
                 let streams: Vec<&Buffer> = world.resources.streams.iter().collect();
                 let indices = &world.resources.indices;
                 match geometry {
-                    Geometry::Depth if world.index_count > 0 => {
+                    Geometry::Depth | Geometry::Inert if world.index_count > 0 => {
                         let pipeline = world.pipeline(index, None)?;
                         let find = |name: &str| world.find_of(pass, name, &NONE, None);
                         open.prepare(pipeline, &streams[..1], indices, &pass.push, find)?;
-                        if world.draws.iter().all(|(_, m)| m.alpha != Alpha::Blend) {
+                        let all = *geometry == Geometry::Depth;
+                        if all && world.draws.iter().all(|(_, m)| m.alpha != Alpha::Blend) {
                             open.draw(0, world.index_count);
                         } else {
                             drawn(*geometry, None, world.draws, &[])
                                 .for_each(|(d, _)| open.draw(d.first_index, d.index_count));
                         }
                     }
-                    Geometry::Depth => {}
+                    Geometry::Depth | Geometry::Inert => {}
                     Geometry::Materials | Geometry::Casters | Geometry::Unwrapped | Geometry::Overlay => {
                         for (draw, material) in drawn(*geometry, pass.profile, world.draws, world.overlay) {
                             let pipeline = world.pipeline(index, Some(class(material, *geometry, world.plan, pass)))?;

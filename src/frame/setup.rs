@@ -79,6 +79,8 @@ pub struct Setup {
     pub mass: bool,
     /// Shadows fall where shading normals stray from the triangles' own.
     pub facets: bool,
+    /// Something that casts a shadow does not scatter.
+    pub inert: bool,
     /// Gathered light lacks what shading normals add to the triangles' own; that is blurred beside it.
     pub detail: bool,
     /// Samples of each gathered Gaussian and light.
@@ -294,6 +296,7 @@ impl Setup {
             diffuses,
             mass,
             facets,
+            inert: used(&|m| m.scatter.is_none() && m.alpha != Alpha::Blend),
             detail: mass && facets,
             taps,
             sparse_step,

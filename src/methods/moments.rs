@@ -3,7 +3,7 @@
 
 use crate::frame::setup::Setup;
 use crate::plan::Plan;
-use crate::stages::{blur, curvature, gbuffer, layer, light, shadow, sparse, tiles, translucent, visibility};
+use crate::stages::{blur, curvature, gbuffer, inert, layer, light, shadow, sparse, tiles, translucent, visibility};
 
 /// The frame.
 pub fn frame(p: &mut Plan, s: &Setup) {
@@ -11,7 +11,8 @@ pub fn frame(p: &mut Plan, s: &Setup) {
     gbuffer::add(p, s); //    meshes                                -> viewz normal albedo material bumped mass
     layer::add(p, s); //      viewz                                 -> viewz of each, of several profiles
     tiles::add(p, s); //      viewz                                 -> tile lists
-    sparse::add(p, s); //     shadow                                -> sparse      (a texel in so many)
+    inert::add(p, s); //      meshes that do not scatter            -> inert
+    sparse::add(p, s); //     shadow inert                          -> sparse      (a texel in so many)
     visibility::add(p, s); // viewz normal shadow                   -> lit
     curvature::add(p, s); //  viewz normal                          -> curvature   (for ambient occlusion)
     translucent::add(p, s); //viewz normal mass sparse softlit      -> softlit..  (wide levels, each between two of the blur's)

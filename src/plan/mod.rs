@@ -94,6 +94,8 @@ pub enum Work {
 pub enum Geometry {
     /// Every material in one draw, positions alone.
     Depth,
+    /// What does not scatter, positions alone.
+    Inert,
     /// A draw per material, with its textures.
     Materials,
     /// The same, both sides of every triangle: whatever is in a light's way.
@@ -207,7 +209,7 @@ impl Plan {
 
     /// Declares an image of another format or with layers.
     pub fn image_as(&mut self, name: &str, format: vk::Format, size: [u32; 2], layers: u32) {
-        let array = matches!(name, "shadow" | "entrance" | "sparse");
+        let array = matches!(name, "shadow" | "entrance" | "inert" | "sparse");
         let name = self.own(name);
         let mut desc = ImageDesc::new(&name, format, size, vk::ImageUsageFlags::empty());
         (desc.layers, desc.array) = (layers, array);

@@ -211,6 +211,7 @@ fn domain(pass: &Pass) -> String {
             }
         }
         Work::Raster { geometry: Geometry::Depth, .. } => "all meshes in one draw, positions alone".to_owned(),
+        Work::Raster { geometry: Geometry::Inert, .. } => "meshes that do not scatter, positions alone".to_owned(),
         Work::Raster { geometry: Geometry::Materials, .. } => "meshes, a draw per material".to_owned(),
         Work::Raster { geometry: Geometry::Overlay, .. } => {
             "what is blended, unlit or gives off light, back to front".to_owned()

@@ -13,6 +13,7 @@ pub mod forward;
 pub mod gather;
 pub mod gaussians;
 pub mod gbuffer;
+pub mod inert;
 pub mod irradiance;
 pub mod layer;
 pub mod light;
