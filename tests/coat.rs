@@ -22,6 +22,7 @@ fn change(set: &mut Set, how: impl FnOnce(&mut Scene)) {
 /// A sphere of 12 mm of this color and roughness under a white sky.
 fn ball(method: Method, color: f32, how: impl FnOnce(&mut Material)) -> Set {
     let mut set = Set::new("shape:sphere:12", 90., settings(method, View::Final, [64, 64]));
+    set.scene = studio::thinned(&set.scene);
     set.settings.quality = Quality::High;
     set.settings.no_shadows = true;
     set.settings.no_ao = true;

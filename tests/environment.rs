@@ -45,6 +45,7 @@ fn sky(radiance: impl Fn(Vec3) -> [f32; 3]) -> Environment {
 /// A matt white sphere of 12 mm, nothing around it, under a sky.
 fn ball(method: Method, environment: Option<Environment>) -> Set {
     let mut set = Set::new("shape:sphere:12", 90., settings(method, View::Final, SIZE));
+    set.scene = studio::thinned(&set.scene);
     set.settings.quality = Quality::High;
     set.settings.no_shadows = true;
     set.settings.no_ao = true;

@@ -134,6 +134,7 @@ fn torus(method: Method, view: View, kind: &str) -> Set {
     let mut settings = studio::settings(method, view, SIZE);
     (settings.quality, settings.no_shadows) = (Quality::Low, kind == "no shadows");
     let mut set = Set::new("shape:torus:70,25", 420., settings);
+    set.scene = studio::thinned(&set.scene);
     set.lights = lights(kind);
     set
 }

@@ -1,6 +1,6 @@
 //! Pictures that must not differ in a single bit.
 use crate::Outcome;
-use crate::studio::{Picture, Set, settings, shape};
+use crate::studio::{Picture, Set, settings, shape, thinned};
 use ash::vk;
 use pdss::frame::Renderer;
 use pdss::gpu::Gpu;
@@ -22,6 +22,7 @@ pub const SCATTERING: [Method; 8] = [
 
 pub fn torus(method: Method, view: View) -> Set {
     let mut set = Set::new("shape:torus:70,25", 420., settings(method, view, [120, 90]));
+    set.scene = thinned(&set.scene);
     set.lights.push(Light::directional(70., 10., 0.4));
     set.settings.quality = Quality::Low;
     set
@@ -57,7 +58,7 @@ pub fn no_profile(gpu: &Arc<Gpu>) -> Vec<Outcome> {
             let none = lambert.differing(&set.linear(gpu));
             // The profile is there, but no material has it.
             let mut set = torus(method, view);
-            let mut scene = (*shape("shape:torus:70,25")).clone();
+            let mut scene = (*thinned(&shape("shape:torus:70,25"))).clone();
             scene.materials.iter_mut().for_each(|m| m.scatter = None);
             set.scene = Arc::new(scene);
             let nobody = lambert.differing(&set.linear(gpu));

@@ -41,6 +41,27 @@ pub fn shape(text: &str) -> Arc<Scene> {
     Arc::new(scene)
 }
 
+/// A torus, sphere or ellipsoid of a quarter of the triangles, which small pictures do not miss: every second vertex of its grids.
+pub fn thinned(scene: &Scene) -> Arc<Scene> {
+    let [columns, rows] = if scene.positions.len() == 321 * 161 { [320, 160] } else { [128, 128] };
+    let grid = (columns + 1) * (rows + 1);
+    assert_eq!(scene.positions.len() % grid, 0, "{} is no grid", scene.name);
+    let kept: Vec<usize> = (0..scene.positions.len())
+        .filter(|i| i % grid % (columns + 1) % 2 == 0 && i % grid / (columns + 1) % 2 == 0)
+        .collect();
+    let mut thin = scene.clone();
+    thin.positions = kept.iter().map(|i| scene.positions[*i]).collect();
+    thin.normals = kept.iter().map(|i| scene.normals[*i]).collect();
+    thin.uvs = kept.iter().map(|i| scene.uvs[*i]).collect();
+    let [across, down] = [columns as u32 / 2, rows as u32 / 2];
+    let squares = (0..(scene.positions.len() / grid) as u32).flat_map(|g| {
+        (0..down).flat_map(move |j| (0..across).map(move |i| g * (across + 1) * (down + 1) + j * (across + 1) + i))
+    });
+    thin.indices = squares.flat_map(|a| [a, a + across + 1, a + across + 2, a, a + across + 2, a + 1]).collect();
+    thin.draws[0].index_count = thin.indices.len() as u32;
+    Arc::new(thin)
+}
+
 /// Plates of 80 mm: each a place of its middle and a normal in the plane of x and z.
 pub fn plates(list: &[(Vec3, f32)]) -> Scene {
     let plane = shape("shape:plane");
