@@ -75,6 +75,7 @@ void main() {
     vec3 n = material_normal(view_normal, gl_FrontFacing);
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 p = view_position(pixel, view_distance);
+    vec3 v = view_direction(p), facet = facet_normal(p, n, v), from = p + facet * rise(view_normal, plane, p, gl_FrontFacing);
     float curvature = length(fwidth(n)) / max(length(fwidth(p)), 1e-20);
 #if BEND
     curvature = bend;
@@ -96,8 +97,6 @@ void main() {
     if (ALPHA_MASK && base.a < push.alpha_cutoff) discard;
 
     vec3 color = clamp(base.rgb, 0., 1.);
-    vec3 v = view_direction(p);
-    vec3 from = p + n * rise(view_normal, plane, p, gl_FrontFacing);
     vec3 f0 = gloss_f0(reflectance, color, rm.y, over);
     bool scatters = scatter > 0.;
     vec4 widths = kernel.entry[0];
@@ -130,8 +129,8 @@ void main() {
         float c = dot(n, l), seen = 1.;
         vec3 shade = vec3(1.);
         if (SHADOWS && light.layer >= 0) {
-            seen = scatters ? shadow_disc(light, p, n, l, curvature, .5 * widths.w, TAPS, turn, mat3(frame.world_from_view))
-                            : shadow_visibility(light, from, n, l, mat3(frame.world_from_view));
+            seen = scatters ? shadow_disc(light, from, n, l, curvature, .5 * widths.w, TAPS, turn, mat3(frame.world_from_view))
+                            : shadow_visibility(light, from, facet, l, mat3(frame.world_from_view));
             shade = TAPS > 1 && scatters ? penumbra_look_up(penumbra, seen, c) : vec3(seen);
         }
         vec3 lit = max(cosine, 0.), unscattered = max(dot(b, l), 0.) * seen * arriving;

@@ -90,10 +90,9 @@ void main() {
     mass = vec4(.5 / max(whole, .5), 0.);
 #endif
 #ifdef FACET
-    vec3 p = view_position(ivec2(gl_FragCoord.xy), view_distance), f = cross(dFdx(p), dFdy(p));
-    float ff = dot(f, f), mm = mix(1., view_distance, frame.perspective) / frame.pixels_per_mm;
-    f = ff > 0. ? f * inversesqrt(ff) : n;
-    facet = facet_encode(dot(f, view_direction(p)) < 0. ? -f : f, rise(view_normal, plane, p, gl_FrontFacing) / mm);
+    vec3 p = view_position(ivec2(gl_FragCoord.xy), view_distance);
+    float mm = mix(1., view_distance, frame.perspective) / frame.pixels_per_mm;
+    facet = facet_encode(facet_normal(p, n, view_direction(p)), rise(view_normal, plane, p, gl_FrontFacing) / mm);
 #endif
 #ifdef CHART
     chart = packUnorm2x16(uv.xy);

@@ -38,7 +38,7 @@ vec3 lit(vec3 color) {
     vec3 n = material_shading_normal(smooth_n, view_tangent, uv, gl_FrontFacing);
     vec2 rm = material_rough_metal(uv);
     vec3 p = view_position(ivec2(gl_FragCoord.xy), view_distance), v = view_direction(p);
-    vec3 from = p + smooth_n * rise(view_normal, plane, p, gl_FrontFacing);
+    vec3 facet = facet_normal(p, smooth_n, v), from = p + facet * rise(view_normal, plane, p, gl_FrontFacing);
     float scatter = material_scatter(uv), reflectance = material_reflectance(scatter);
     Coat over = coat_none();
     if (COATED) over = material_coat(uv, reflectance);
@@ -50,7 +50,7 @@ vec3 lit(vec3 color) {
         Light light = lights.light[i];
         vec3 irradiance;
         vec3 l = light_arrives(light, p, irradiance);
-        if (SHADOWS && light.layer >= 0) irradiance *= shadow_visibility(light, from, n, l, mat3(frame.world_from_view));
+        if (SHADOWS && light.layer >= 0) irradiance *= shadow_visibility(light, from, facet, l, mat3(frame.world_from_view));
         arriving += max(dot(n, l), 0.) * irradiance;
         reflected += gloss_light(gloss, n, v, l) * irradiance;
     }

@@ -32,7 +32,7 @@ void main() {
     vec2 mm = vec2(length(dFdx(view_place)), length(dFdy(view_place)));
     vec4 base = material_base(uv);
     vec3 n = material_normal(view_normal, true);
-    vec3 p = view_place + n * rise(view_normal, plane, view_place, true);
+    vec3 facet = facet_normal(view_place, n, n), p = view_place + facet * rise(view_normal, plane, view_place, true);
     n = material_shading_normal(n, view_tangent, uv, true);
     float occlusion = material_occlusion(uv);
     bool bare = SCATTER_MAP && material_scatter(uv) == 0.;
@@ -42,7 +42,7 @@ void main() {
         Light light = lights.light[i];
         vec3 arriving;
         vec3 l = light_arrives(light, p, arriving);
-        if (SHADOWS && light.layer >= 0) arriving *= shadow_visibility(light, p, n, l, mat3(frame.world_from_view));
+        if (SHADOWS && light.layer >= 0) arriving *= shadow_visibility(light, p, facet, l, mat3(frame.world_from_view));
         sum += max(dot(n, l), 0.) * arriving;
     }
     if (AMBIENT) sum += PI * (frame.ambient_mean + frame.ambient_slope * dot(n, frame.up)) * occlusion;

@@ -1,6 +1,6 @@
 //! What crosses to the shaders: every member of every Rust struct against its offset in the compiled SPIR-V, by name.
 use bytemuck::{Pod, Zeroable};
-use pdss::frame::uniforms::{EnvironmentBlock, FrameBlock, LightBlock, LightEntry, MaterialPush};
+use pdss::frame::uniforms::{EnvironmentBlock, FrameBlock, InertPush, LightBlock, LightEntry, MaterialPush};
 use pdss::shaders::{ALL, Block, Shader};
 use std::mem::{offset_of, size_of};
 
@@ -93,11 +93,14 @@ fn twin(shader: &Shader, block: &Block) -> Option<Layout> {
         }),
         ("blur" | "translucent", "Push") => single("variance"),
         ("shadow", "Push") => single("layer"),
+        ("inert", "Push") => layout!(InertPush { layer, shift }),
         // A list of tiles starts with what `stages::tiles` resets it to: four words.
         (_, "TileBlock" | "SurfaceTiles" | "ScatterTiles") => {
             Layout { size: 16, members: vec![("dispatch", 0), ("pad", 12), ("tile", 16)] }
         }
-        ("shadow" | "entrance", "ShadowWorldBlock") => Layout { size: 0, members: vec![("shadow_from_world", 0)] },
+        ("shadow" | "entrance" | "inert", "ShadowWorldBlock") => {
+            Layout { size: 0, members: vec![("shadow_from_world", 0)] }
+        }
         // Arrays of vec4, and nothing before them.
         ("lut_probe", "QueryBlock") => Layout { size: 0, members: vec![("query", 0)] },
         ("lut_probe", "AnswerBlock") => Layout { size: 0, members: vec![("answer", 0)] },

@@ -10,10 +10,11 @@ impl Setup {
         pass.constant("LIGHTS", self.lights).constant("ALL_DIRECTIONAL", u32::from(self.all_directional));
     }
 
-    /// Binds what a pass that asks shadow maps knows of the triangles, where there is any.
-    pub fn specialise_facets(&self, pass: &mut crate::plan::Pass) {
-        pass.constant("FACETS", u32::from(self.facets));
-        if !self.facets {
+    /// Binds what a pass knows of the triangles, if it asks shadow maps and there is any.
+    pub fn specialise_facets(&self, pass: &mut crate::plan::Pass, asks: bool) {
+        let read = self.facets && asks;
+        pass.constant("FACETS", u32::from(read));
+        if !read {
             pass.absent("facet");
         }
     }

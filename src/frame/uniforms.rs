@@ -104,3 +104,13 @@ pub struct MaterialPush {
     pub coat_roughness: f32,
     pub profile: u32,
 }
+
+/// Push constants of a pass that draws what does not scatter.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct InertPush {
+    /// Of the shadow maps.
+    pub layer: u32,
+    /// From the texels of the small map to those that are kept of the large one, in clip space.
+    pub shift: f32,
+}

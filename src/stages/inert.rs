@@ -1,6 +1,7 @@
 //! inert: meshes that do not scatter -> inert. Small depth maps, from the lights with a slot: what is nearest there is not gathered.
 
 use crate::frame::setup::Setup;
+use crate::frame::uniforms::InertPush;
 use crate::gpu::pipeline::Raster;
 use crate::plan::{Geometry, Plan};
 use crate::{shaders, targets};
@@ -28,6 +29,6 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         let name = if layers == 1 { "inert".to_owned() } else { format!("inert{layer}") };
         let depth = Some(("inert".to_owned(), Some(layer), 0.));
         plan.raster(&name, &shaders::INERT_VERT, None, state, Vec::new(), depth, Geometry::Inert)
-            .push(&[layer, (1. / s.shadows.size as f32).to_bits()]);
+            .push(&InertPush { layer, shift: 1. / s.shadows.size as f32 });
     }
 }

@@ -26,7 +26,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         .constant("PRE", u32::from(s.pre_textured()))
         .bind("normal", s.shading_normal());
     s.specialise_lights(pass);
-    s.specialise_facets(pass);
+    s.specialise_facets(pass, true);
     s.specialise_sky(pass);
     s.specialise_gloss(pass);
     if !s.glossy {

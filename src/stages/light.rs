@@ -55,7 +55,7 @@ pub fn add(plan: &mut Plan, s: &Setup) {
         }
     }
     s.specialise_lights(pass);
-    s.specialise_facets(pass);
+    s.specialise_facets(pass, look_up);
     s.specialise_sky(pass);
     s.specialise_gloss(pass);
     for i in 0..MAX_LEVELS {

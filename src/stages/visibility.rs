@@ -18,5 +18,5 @@ pub fn add(plan: &mut Plan, s: &Setup) {
     }
     let pass = plan.compute("visibility", shader, tiles::surface());
     s.specialise_lights(pass.bind("normal", s.shading_normal()));
-    s.specialise_facets(pass);
+    s.specialise_facets(pass, true);
 }
