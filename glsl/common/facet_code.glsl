@@ -1,5 +1,5 @@
 // The triangle itself beside what its vertices' normals make of it: its normal, octahedral, whose lowest five bits of each half,
-// 5e-4 of a radian, are the rise of the surface above it (rise.glsl). Needs octahedral.glsl.
+// 3.5e-3 of a radian at most, are the rise of the surface above it (rise.glsl). Needs octahedral.glsl.
 // The rise is in pixels, a thirty-second of an octave a step from 2^-16 on; code 0: none.
 uint facet_encode(vec3 normal, float rise) {
     uint code = uint(clamp(32. * log2(max(rise, 1e-30)) + 512., 0., 1023.));
