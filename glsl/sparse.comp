@@ -20,7 +20,7 @@ void main() {
     at.y -= layer * size.y;
     if (at.x >= size.x || layer >= size.z) return;
     float depth = texelFetch(shadow, ivec3(at * STEP + STEP / 2, layer), 0).r;
-    // Drawn with other steps of the raster, the same surface is 1e-6 off.
+    // The raster steps otherwise here, and the same surface may differ in its last bits: 1e-5 of what the light sees in depth.
     if (INERT && texelFetch(inert, ivec3(at, layer), 0).r > depth - 1e-5) depth = 0.;
     imageStore(sparse, ivec3(at, layer), vec4(depth));
 }

@@ -3,22 +3,33 @@
 mod studio;
 
 use ash::vk;
+use glam::Vec3;
 use pdss::frame::Renderer;
 use pdss::gpu::Gpu;
 use pdss::gpu::usage::Usage;
 use pdss::plan::{Pass, Plan};
-use pdss::scene::Light;
+use pdss::scene::{Draw, Light, Material};
 use pdss::settings::{Method, Quality, Settings, View};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use studio::{Picture, Set};
 
-/// `moments` gathers from medium quality on.
+/// `moments` gathers from medium quality on. Half of the scene does not scatter, and its shading normals stray from its triangles.
 fn small(method: Method) -> Set {
     let quality = if method == Method::Moments { Quality::Medium } else { Quality::Low };
     let settings = Settings { quality, ..studio::settings(method, View::Final, [48, 32]) };
     let mut set = Set::new("shape:cylinder:40", 300., settings);
     set.lights.push(Light::directional(70., 10., 0.4));
+    let mut scene = (*set.scene).clone();
+    for (n, p) in scene.normals.iter_mut().zip(&scene.positions) {
+        *n = (Vec3::from(*n) + 0.2 * Vec3::new((0.3 * p[1]).sin(), (0.2 * p[2]).sin(), 0.)).normalize().to_array();
+    }
+    let half = scene.indices.len() as u32 / 6 * 3;
+    let rest = Draw { material: 1, first_index: half, index_count: scene.indices.len() as u32 - half };
+    scene.materials.push(Material { scatter: None, ..scene.materials[0].clone() });
+    scene.draws[0].index_count = half;
+    scene.draws.push(rest);
+    set.scene = Arc::new(scene);
     set
 }
 
@@ -110,6 +121,10 @@ fn every_barrier_is_missed() {
 
 fn missed(gpu: &Arc<Gpu>, set: &Set) {
     let plan = Renderer::plan_only(&set.inputs()).expect("a plan");
+    assert!(
+        plan.has("facet") && plan.has("inert") == (set.settings.method == Method::Moments),
+        "the scene asks for them"
+    );
     assert_eq!(messages(gpu, set, |_| {}), Vec::<String>::new(), "the whole plan");
     assert_eq!(messages(gpu, set, twice), Vec::<String>::new(), "two frames");
     let mut kinds = BTreeMap::<String, usize>::new();
