@@ -9,13 +9,20 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
+#[path = "glsl/fragment.rs"]
+mod fragment;
 #[path = "glsl/sampled.rs"]
 mod sampled;
 
 fn main() {
     let root = PathBuf::from(env::var("CARGO_MANIFEST_DIR").expect("cargo sets CARGO_MANIFEST_DIR")).join("glsl");
     let out = PathBuf::from(env::var("OUT_DIR").expect("cargo sets OUT_DIR"));
-    println!("cargo:rerun-if-changed=glsl");
+    for folder in [root.clone(), root.join("common")] {
+        let files = fs::read_dir(&folder).expect("it is there").flatten().map(|e| e.path());
+        // Not for its guides.
+        let files = files.filter(|f| f.is_file() && f.extension().is_none_or(|e| e != "md"));
+        files.for_each(|f| println!("cargo:rerun-if-changed={}", f.display()));
+    }
     println!("cargo:rerun-if-changed=build.rs");
     let mut files: Vec<PathBuf> = fs::read_dir(&root).expect("glsl/ is there").flatten().map(|e| e.path()).collect();
     files.sort();
@@ -42,6 +49,8 @@ struct Compiled {
     words: Vec<u32>,
     /// The module that samples what this one loads, where there is such.
     sampled: Option<String>,
+    /// The fragment shader that does the same, where there is such.
+    fragment: Option<String>,
     reflection: Reflection,
 }
 
@@ -88,12 +97,23 @@ fn compile(file: &Path, root: &Path) -> Vec<Compiled> {
         let artifact = compiler
             .compile_into_spirv(&text, kind, &label, "main", Some(&options))
             .unwrap_or_else(|e| fail(file, &e.to_string()));
-        compiled.extend(Compiled::both(
-            format!("{upper}{suffix}{variant}"),
-            &stem,
-            stage,
-            artifact.as_binary().to_vec(),
-        ));
+        let name = format!("{upper}{suffix}{variant}");
+        let mut modules = Compiled::both(name.clone(), &stem, stage, artifact.as_binary().to_vec());
+        if stage == "Compute" && text.contains("\"common/tiles.glsl\"") {
+            options.add_macro_definition("FRAGMENT", Some("1"));
+            let plain = compiler
+                .preprocess(&text, &label, "main", Some(&options))
+                .unwrap_or_else(|e| fail(file, &e.to_string()));
+            if let Some(text) = fragment::fragment(&plain.as_text()) {
+                let artifact = compiler
+                    .compile_into_spirv(&text, shaderc::ShaderKind::Fragment, &label, "main", Some(&options))
+                    .unwrap_or_else(|e| fail(file, &e.to_string()));
+                let name = format!("{name}_AS_FRAGMENT");
+                modules[0].fragment = Some(name.clone());
+                modules.extend(Compiled::both(name, &stem, "Fragment", artifact.as_binary().to_vec()));
+            }
+        }
+        compiled.extend(modules);
     }
     compiled
 }
@@ -125,6 +145,7 @@ fn fail(file: &Path, message: &str) -> ! {
 struct Reflection {
     workgroup: [u32; 3],
     bindings: Vec<String>,
+    outputs: Vec<String>,
     constants: Vec<String>,
     blocks: Vec<String>,
     push: u32,
@@ -226,11 +247,18 @@ impl<'a> Reader<'a> {
                 r.workgroup = [int(&mode.operands[2]), int(&mode.operands[3]), int(&mode.operands[4])];
             }
         }
-        let mut bindings = Vec::new();
+        let (mut bindings, mut outputs) = (Vec::new(), Vec::new());
         for i in &self.module.types_global_values {
             let result = i.result_id.unwrap_or_default();
             match i.class.opcode {
-                Op::Variable => self.variable(i, result, &mut bindings, &mut r),
+                Op::Variable => {
+                    self.variable(i, result, &mut bindings, &mut r);
+                    let location = self.decorated(result, Decoration::Location);
+                    if let Some(at) = location.filter(|_| i.operands[0] == Operand::StorageClass(StorageClass::Output))
+                    {
+                        outputs.push((at, format!("{:?}", self.name(result))));
+                    }
+                }
                 Op::SpecConstant | Op::SpecConstantTrue | Op::SpecConstantFalse => {
                     if let Some(spec) = self.decorated(result, Decoration::SpecId) {
                         // Sides of a workgroup have no name, and are the tile's.
@@ -246,6 +274,8 @@ impl<'a> Reader<'a> {
             }
         }
         bindings.sort();
+        outputs.sort();
+        r.outputs = outputs.into_iter().map(|o| o.1).collect();
         r.bindings = bindings.into_iter().map(|b| b.1).collect();
         r
     }
@@ -368,25 +398,28 @@ fn format_name(operand: &Operand) -> &'static str {
 }
 
 impl Compiled {
-    /// A module and, of a compute shader that reads images, the one that samples them.
+    /// A module and, of one over tiles that reads images, the one that samples them.
     fn both(name: String, stem: &str, stage: &'static str, words: Vec<u32>) -> Vec<Self> {
         let new = |name: String, words: Vec<u32>, sampled| {
             let reflection = Reflection::of(&words);
-            Compiled { name, stem: stem.to_owned(), stage, words, sampled, reflection }
+            Compiled { name, stem: stem.to_owned(), stage, words, sampled, fragment: None, reflection }
         };
-        let second = if stage == "Compute" { sampled::sampled(&words) } else { None };
+        let both = stage == "Compute" || name.ends_with("_AS_FRAGMENT");
+        let second = if both { sampled::sampled(&words) } else { None };
         let second = second.map(|words| new(format!("{name}_SAMPLED"), words, None));
         std::iter::once(new(name, words, second.as_ref().map(|s| s.name.clone()))).chain(second).collect()
     }
 
     fn rust(&self) -> String {
         let Compiled { name, stem, stage, reflection: r, .. } = self;
-        let sampled = self.sampled.as_ref().map_or("None".to_owned(), |s| format!("Some(&{s})"));
+        let other = |name: &Option<String>| name.as_ref().map_or("None".to_owned(), |s| format!("Some(&{s})"));
+        let (sampled, fragment) = (other(&self.sampled), other(&self.fragment));
         format!(
-            "/// `glsl/{stem}`, as compiled by the build.\npub static {name}: Shader = Shader {{ name: {name:?}, stem: {stem:?}, stage: ShaderStage::{stage}, code: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{name}.spv\")), sampled: {sampled}, workgroup: {:?}, push_size: {}, bindings: &[{}], constants: &[{}], blocks: &[{}] }};",
+            "/// `glsl/{stem}`, as compiled by the build.\npub static {name}: Shader = Shader {{ name: {name:?}, stem: {stem:?}, stage: ShaderStage::{stage}, code: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{name}.spv\")), sampled: {sampled}, fragment: {fragment}, workgroup: {:?}, push_size: {}, bindings: &[{}], outputs: &[{}], constants: &[{}], blocks: &[{}] }};",
             r.workgroup,
             r.push,
             r.bindings.join(", "),
+            r.outputs.join(", "),
             r.constants.join(", "),
             r.blocks.join(", ")
         )

@@ -1,4 +1,5 @@
-//! What suits the device: each shape of tile, and each way to load, against 8 x 8 and storage images, stage by stage.
+//! What suits the device: each shape of tile, each way to load, and fragment shaders, against compute shaders over 8 x 8 that load
+//! storage images, stage by stage.
 //!
 //! `cargo bench --bench suits [-- [SCENE] [WIDTHxHEIGHT] [-o FILE]]`. All run in turn, frame by frame, and each frame gives ratios to
 //! its neighbour's stages, so that other work on the machine touches both. The medians belong into `src/gpu/suit.rs`, where a device
@@ -8,7 +9,7 @@
 mod common;
 
 use pdss::frame::{FrameError, Inputs, Output, Renderer};
-use pdss::gpu::suit::{Loads, Tile};
+use pdss::gpu::suit::{Loads, Screen, Tile};
 use pdss::gpu::timing::TimingMode;
 use pdss::gpu::{Gpu, Options};
 use pdss::scene::{Camera, Light, LoadOptions, Scene};
@@ -18,12 +19,14 @@ use std::collections::BTreeMap;
 
 const ROUNDS: usize = 15;
 const WARM_UP: usize = 2;
-const SUITS: [(Tile, Loads); 5] = [
-    (Tile::Square, Loads::Storage),
-    (Tile::Broad, Loads::Storage),
-    (Tile::Flat, Loads::Storage),
-    (Tile::Row, Loads::Storage),
-    (Tile::Square, Loads::Sampled),
+const SUITS: [(Tile, Loads, Screen); 7] = [
+    (Tile::Square, Loads::Storage, Screen::Compute),
+    (Tile::Broad, Loads::Storage, Screen::Compute),
+    (Tile::Flat, Loads::Storage, Screen::Compute),
+    (Tile::Row, Loads::Storage, Screen::Compute),
+    (Tile::Square, Loads::Sampled, Screen::Compute),
+    (Tile::Square, Loads::Storage, Screen::Fragment),
+    (Tile::Square, Loads::Sampled, Screen::Fragment),
 ];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -36,14 +39,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     scene.assign_profile(None, 0)?;
     let mut methods = serde_json::Map::new();
     for method in [Method::Pdss, Method::Moments, Method::Separable, Method::Burley] {
-        let frame = |(tile, loads): (Tile, Loads)| {
-            let (tile, loads) = (Some(tile), Some(loads));
+        let frame = |(tile, loads, screen): (Tile, Loads, Screen)| {
+            let (tile, loads, screen) = (Some(tile), Some(loads), Some(screen));
             let inputs = Inputs {
                 camera: Camera::default_for(&scene, 30., f64::from(size.width) / f64::from(size.height)),
                 scene: &scene,
                 lights: vec![Light::directional(60., 25., 1.), Light::directional(-70., 10., 0.2)],
                 profiles: Profile::resolve("skin").into_iter().collect(),
-                settings: Settings { method, quality: Quality::High, size, tile, loads, ..Settings::default() },
+                settings: Settings { method, quality: Quality::High, size, tile, loads, screen, ..Settings::default() },
                 timing: Some(TimingMode::Isolated),
                 output: Output::Ldr,
             };
@@ -69,9 +72,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         let mut record = serde_json::Map::new();
         record.insert("ms".to_owned(), serde_json::json!(medians(first)));
-        for ((tile, loads), all) in SUITS.into_iter().zip(ratios).skip(1) {
+        for ((tile, loads, screen), all) in SUITS.into_iter().zip(ratios).skip(1) {
             let [width, height] = tile.sides();
-            record.insert(format!("{width}x{height} {loads:?}"), serde_json::json!(medians(all)));
+            record.insert(format!("{width}x{height} {loads:?} {screen:?}"), serde_json::json!(medians(all)));
         }
         methods.insert(format!("{method:?}"), record.into());
     }

@@ -1,6 +1,6 @@
 //! What a frame can be asked for. Declared once, as data: the command line is made from these types.
 
-use crate::gpu::suit::{Loads, Suit, Tile};
+use crate::gpu::suit::{Loads, Screen, Suit, Tile};
 use clap::{Args, ValueEnum};
 
 mod spared;
@@ -231,6 +231,9 @@ pub struct Settings {
     /// How compute stages load images [default: what suits the device].
     #[arg(long, value_enum)]
     pub loads: Option<Loads>,
+    /// What stages over tiles are [default: what suits the device, stage by stage].
+    #[arg(long, value_enum)]
+    pub screen: Option<Screen>,
     /// Curvature of `preintegrated`; default: derivative at low and medium quality, vertex above.
     #[arg(long, value_enum)]
     pub forward_curvature: Option<ForwardCurvature>,
@@ -320,7 +323,10 @@ impl Settings {
 
     /// These settings on a device: what nobody asked for is what suits it.
     pub fn on(&self, suit: Suit) -> Suit {
-        Suit { tile: self.tile.unwrap_or(suit.tile), loads: self.loads.unwrap_or(suit.loads) }
+        let tile = self.tile.unwrap_or(suit.tile);
+        let drawn = !suit.small_points && tile == Tile::Square;
+        let fragments = self.screen.map_or(suit.fragments, Screen::fragments);
+        Suit { tile, loads: self.loads.unwrap_or(suit.loads), fragments: if drawn { fragments } else { &[] }, ..suit }
     }
 
     /// Whether this runs although the scene may not need it.
@@ -340,6 +346,7 @@ impl Default for Settings {
             kernels: Kernels::default(),
             tile: None,
             loads: None,
+            screen: None,
             forward_curvature: None,
             integral: Integral::default(),
             texturing: Texturing::default(),

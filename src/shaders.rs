@@ -67,12 +67,16 @@ pub struct Shader {
     pub code: &'static [u8],
     /// The same, made by the build to sample the images that this one loads; none where it loads none.
     pub sampled: Option<&'static Shader>,
+    /// The fragment shader, made by the build, that does the same over tiles; none where a stage stores to what it reads.
+    pub fragment: Option<&'static Shader>,
     /// Threads of a workgroup.
     pub workgroup: [u32; 3],
     /// Bytes of push constants.
     pub push_size: u32,
     /// Resources, by binding number.
     pub bindings: &'static [Binding],
+    /// Outputs by location: the names of the targets that are attached.
+    pub outputs: &'static [&'static str],
     /// Specialization constants: name and id. Those that the optimiser removed are absent.
     pub constants: &'static [(&'static str, u32)],
     /// Blocks with their member offsets, each followed by the structs inside it.

@@ -36,6 +36,7 @@ const CHECKS: &[(&str, Check)] = &[
     ("no profile is lambert, to the bit", same_bits::no_profile),
     ("leaving out changes no bit", spared::left_out),
     ("what suits a device changes no bit", suits::same_bits),
+    ("every stage that can be drawn is named", |_| vec![suits::fragments()]),
     ("what scatters nowhere is a plain deferred frame", spared::plain),
     ("another view records nothing again", spared::looks),
     ("shadow maps stay while lights do", spared::still),

@@ -13,6 +13,7 @@ use crate::gpu::usage::{Barrier, State, Usage};
 use crate::gpu::{Buffer, Gpu, GpuError, Image};
 use crate::plan::{Domain, Geometry, Pass, Plan, Work, of_profile};
 use crate::scene::{Alpha, Draw, MAPS, Material};
+use crate::shaders;
 use crate::skin::profile::Profile;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
@@ -139,7 +140,9 @@ pub fn pipelines(
     for pass in &plan.passes {
         let mut map = BTreeMap::new();
         match &pass.work {
-            Work::Compute { .. } | Work::Raster { geometry: Geometry::Depth | Geometry::Inert, .. } => {
+            Work::Compute { .. }
+            | Work::Fragments { .. }
+            | Work::Raster { geometry: Geometry::Depth | Geometry::Inert, .. } => {
                 map.insert(None, jobs.len());
                 jobs.push((pass, pass.constants.clone(), vk::CullModeFlags::NONE));
             }
@@ -176,6 +179,11 @@ pub fn pipelines(
             Pipeline::graphics(gpu, &pass.name, vertex, *fragment, constants, &state).map(Some)
         }
         Work::Compute { shader, .. } => Pipeline::compute(gpu, &pass.name, shader, constants).map(Some),
+        Work::Fragments { shader, colors, .. } => {
+            let formats = colors.iter().filter_map(|name| plan.targets.get(name)).map(|t| t.desc.format);
+            let state = Raster { colors: formats.collect(), points: true, ..Raster::default() };
+            Pipeline::graphics(gpu, &pass.name, &shaders::TILES_VERT, Some(shader), constants, &state).map(Some)
+        }
         Work::Update { .. } | Work::Clear { .. } => Ok(None),
     };
     let made: Vec<Option<Pipeline>> = jobs.par_iter().map(make).collect::<Result<_, _>>()?;
@@ -208,12 +216,22 @@ pub fn record(
                 let find = |name: &str| world.find_of(pass, name, &NONE, None);
                 match domain {
                     Domain::Threads(threads) => open.dispatch_over(pipeline, *threads, &pass.push, find)?,
-                    Domain::Tiles(list) => {
-                        let missing = || GpuError::Misuse(format!("{}: no list {list}", pass.name));
-                        let arguments = world.buffers.get(list).ok_or_else(missing)?;
-                        open.dispatch_indirect(pipeline, (arguments, 0), &pass.push, find)?;
+                    Domain::Tiles(list, _) => {
+                        open.dispatch_indirect(pipeline, (world.list(pass, list)?, 0), &pass.push, find)?;
                     }
                 }
+            }
+            Work::Fragments { list, colors, keep, .. } => {
+                let pipeline = world.pipeline(index, None)?;
+                let find = |name: &str| world.find_of(pass, name, &NONE, None);
+                let target = |name: &String| {
+                    let image = world.images.get(name);
+                    image.map(|i| (i, None)).ok_or_else(|| GpuError::Misuse(format!("{}: no target {name}", pass.name)))
+                };
+                let colors = colors.iter().map(target).collect::<Result<Vec<_>, GpuError>>()?;
+                open.render(&Attachments { colors: &colors, depth: None, keep: *keep });
+                open.draw_indirect(pipeline, (world.list(pass, list)?, 0), &pass.push, find)?;
+                open.end_render();
             }
             Work::Raster { state, colors, depth, geometry, .. } => {
                 let target = |name: &str| {
@@ -273,6 +291,10 @@ impl<'a> World<'a> {
     fn guarded(&self, name: &str) -> Option<Guarded<'a>> {
         let image = self.images.get(name).map(Guarded::Image);
         image.or_else(|| self.buffers.get(name).map(Guarded::Buffer))
+    }
+
+    fn list(&self, pass: &Pass, list: &str) -> Result<&'a Buffer, GpuError> {
+        self.buffers.get(list).ok_or_else(|| GpuError::Misuse(format!("{}: no list {list}", pass.name)))
     }
 
     fn pipeline(&self, pass: usize, key: Option<ClassKey>) -> Result<&'a Pipeline, GpuError> {

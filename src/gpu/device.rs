@@ -36,6 +36,8 @@ pub struct DeviceInfo {
     pub unusable: Option<String>,
     /// Nanoseconds per timestamp tick; 0 if the queue has no timestamps.
     pub timestamp_period: f32,
+    /// It draws points of several pixels.
+    pub large_points: bool,
 }
 
 /// Pipelines of earlier runs.
@@ -322,12 +324,13 @@ fn enumerate(instance: &ash::Instance) -> Result<Vec<(vk::PhysicalDevice, Device
 
 fn describe(instance: &ash::Instance, physical: vk::PhysicalDevice, index: usize) -> DeviceInfo {
     // SAFETY: plain queries; the structures chained are valid for a 1.3 instance, and 1.2 devices fill what they know.
-    let (p, driver, extensions) = unsafe {
+    let (p, driver, extensions, features) = unsafe {
         let mut driver = vk::PhysicalDeviceDriverProperties::default();
         let mut p2 = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
         instance.get_physical_device_properties2(physical, &mut p2);
         let p = p2.properties;
-        (p, driver, instance.enumerate_device_extension_properties(physical).unwrap_or_default())
+        let extensions = instance.enumerate_device_extension_properties(physical).unwrap_or_default();
+        (p, driver, extensions, instance.get_physical_device_features(physical))
     };
     let text = |c: Result<&CStr, _>| c.map(|s: &CStr| s.to_string_lossy().into_owned()).unwrap_or_default();
     let driver_name = format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str()));
@@ -359,6 +362,7 @@ fn describe(instance: &ash::Instance, physical: vk::PhysicalDevice, index: usize
         },
         unusable: (!missing.is_empty()).then(|| format!("it lacks {}", missing.join(", "))),
         timestamp_period: p.limits.timestamp_period,
+        large_points: features.large_points == vk::TRUE,
     }
 }
 
@@ -405,6 +409,7 @@ fn logical(
         .shader_storage_image_write_without_format(true)
         .independent_blend(true)
         .sampler_anisotropy(have.sampler_anisotropy == vk::TRUE)
+        .large_points(have.large_points == vk::TRUE)
         .depth_clamp(have.depth_clamp == vk::TRUE);
     let mut f12 = vk::PhysicalDeviceVulkan12Features::default().scalar_block_layout(true).host_query_reset(true);
     let mut f13 =

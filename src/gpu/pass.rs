@@ -139,6 +139,25 @@ impl<'a> Pass<'a> {
         Ok(())
     }
 
+    /// Draws as many points, one a tile, as the buffer says at `offset`: inside a rendering.
+    ///
+    /// # Errors
+    /// Where a resource is missing or the push constants do not fit.
+    pub fn draw_indirect<'b>(
+        &mut self,
+        pipeline: &Pipeline,
+        arguments: (&Buffer, u64),
+        push: &[u8],
+        resources: impl Fn(&str) -> Option<Bound<'b>>,
+    ) -> Result<(), GpuError> {
+        self.bind(pipeline, resources)?;
+        self.push(pipeline, push)?;
+        let r = &self.recorder;
+        // SAFETY: recording, inside a rendering; the buffer holds count, 1, 1, 0 at that offset: a VkDrawIndirectCommand, too.
+        unsafe { r.gpu.device.cmd_draw_indirect(r.commands, arguments.0.handle, arguments.1, 1, 16) };
+        Ok(())
+    }
+
     /// Writes a few words into a buffer.
     pub fn update(&mut self, buffer: &Buffer, bytes: &[u8]) {
         let r = &self.recorder;

@@ -23,6 +23,8 @@ pub struct Raster {
     pub cull: vk::CullModeFlags,
     /// Slope-scaled and constant depth bias.
     pub bias: Option<(f32, f32)>,
+    /// Points are drawn, not triangles.
+    pub points: bool,
     /// Vertices beyond the depth range are clamped to it instead of clipped.
     pub clamp: bool,
     /// One tightly packed stream per entry: shader location and format.
@@ -127,8 +129,9 @@ impl Pipeline {
         let input = vk::PipelineVertexInputStateCreateInfo::default()
             .vertex_binding_descriptions(&vertex_bindings)
             .vertex_attribute_descriptions(&attributes);
-        let assembly =
-            vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+        let topology =
+            if raster.points { vk::PrimitiveTopology::POINT_LIST } else { vk::PrimitiveTopology::TRIANGLE_LIST };
+        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(topology);
         let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
         let (slope, constant) = raster.bias.unwrap_or_default();
         let rasterizer = vk::PipelineRasterizationStateCreateInfo::default()

@@ -49,6 +49,39 @@ pub enum Loads {
     Sampled,
 }
 
+/// What the stages over tiles are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Screen {
+    /// Compute shaders, a workgroup a tile.
+    Compute,
+    /// Fragment shaders, a point a tile, where tiles are squares and the device has large points; but those that store to what
+    /// they read stay compute shaders.
+    Fragment,
+}
+
+impl Screen {
+    /// Stems of the shaders that are fragment shaders then.
+    pub fn fragments(self) -> &'static [&'static str] {
+        match self {
+            Screen::Compute => &[],
+            Screen::Fragment => &[
+                "blur",
+                "burley",
+                "combine",
+                "curvature",
+                "gather",
+                "gaussians",
+                "irradiance",
+                "light",
+                "separable",
+                "view",
+                "visibility",
+            ],
+        }
+    }
+}
+
 /// How stages run on a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize)]
 pub struct Suit {
@@ -56,11 +89,17 @@ pub struct Suit {
     pub tile: Tile,
     /// Loads.
     pub loads: Loads,
+    /// Stems of the shaders over tiles that run as fragment shaders.
+    pub fragments: &'static [&'static str],
+    /// The device draws no points as large as a tile: no stage is a fragment shader.
+    pub small_points: bool,
 }
 
 impl Suit {
-    /// What was measured to be fastest on a device. Lavapipe alone has been measured as yet, so all run as it does.
-    pub fn of(_device: &DeviceInfo) -> Suit {
-        Suit::default()
+    /// What was measured to be fastest on a device. Lavapipe alone has been measured as yet: there an output costs a fifth of a store.
+    /// Others store alike from both, and cards without a display draw slowly: they compute.
+    pub fn of(device: &DeviceInfo) -> Suit {
+        let screen = if device.kind == "cpu" { Screen::Fragment } else { Screen::Compute };
+        Suit { fragments: screen.fragments(), small_points: !device.large_points, ..Suit::default() }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Domain, Plan, PlanError, Work};
 use crate::gpu::usage::{State, Usage};
-use crate::shaders::{BindingKind, Shader};
+use crate::shaders::{self, BindingKind, Shader};
 use ash::vk;
 use std::collections::BTreeMap;
 
@@ -51,10 +51,16 @@ impl Plan {
         let mut list: Vec<(String, Usage)> = Vec::new();
         let shaders: Vec<&'static Shader> = match &pass.work {
             Work::Compute { shader, domain } => {
-                if let Domain::Tiles(buffer) = domain {
+                if let Domain::Tiles(buffer, _) = domain {
                     list.push((buffer.clone(), Usage::Indirect));
                 }
                 vec![shader]
+            }
+            Work::Fragments { shader, list: tiles, colors, keep } => {
+                list.push((tiles.clone(), Usage::Indirect));
+                let color = if *keep { Usage::ColorOver } else { Usage::ColorAttachment };
+                list.extend(colors.iter().map(|name| (name.clone(), color)));
+                vec![&shaders::TILES_VERT, shader]
             }
             Work::Raster { vertex, fragment, state, colors, depth, .. } => {
                 let (color, tested) = match state.over {
@@ -108,7 +114,16 @@ impl Plan {
         let mut work = self.passes[index].work.clone();
         let meant = |name: &mut String| *name = self.meant(name, profile);
         match &mut work {
-            Work::Compute { domain: Domain::Tiles(list), .. } => meant(list),
+            Work::Compute { domain: Domain::Tiles(list, _), .. } => meant(list),
+            Work::Fragments { shader, list, colors, keep } => {
+                meant(list);
+                let aliases = &self.passes[index].aliases;
+                let output = |name: &&'static str| aliases.get(name).map_or((*name).to_owned(), String::clone);
+                // What this pass does not write comes last.
+                *colors = shader.outputs.iter().map(output).take_while(|name| !name.is_empty()).collect();
+                colors.iter_mut().for_each(meant);
+                *keep = colors.iter().any(|c| self.targets.get(c).is_some_and(|t| t.lifetime.0 != usize::MAX));
+            }
             Work::Compute { .. } => {}
             Work::Raster { colors, depth, .. } => {
                 colors.iter_mut().for_each(|c| meant(&mut c.0));

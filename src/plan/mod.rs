@@ -44,8 +44,8 @@ pub enum PlanError {
 pub enum Domain {
     /// This many threads.
     Threads([u32; 2]),
-    /// The tiles of a list, by indirect dispatch: the buffer of that name holds the count.
-    Tiles(String),
+    /// The tiles of a list, by indirect dispatch: the buffer of that name holds the count. The grid has so many pixels a texel.
+    Tiles(String, u32),
 }
 
 /// What a pass does.
@@ -57,6 +57,17 @@ pub enum Work {
         shader: &'static Shader,
         /// Over what.
         domain: Domain,
+    },
+    /// A fragment shader over the tiles of a list, a point each, by indirect draw.
+    Fragments {
+        /// The module.
+        shader: &'static Shader,
+        /// The buffer that holds the list and its count.
+        list: String,
+        /// Colour targets by location; [`Plan::finish`] finds them.
+        colors: Vec<String>,
+        /// What they hold already is kept.
+        keep: bool,
     },
     /// The scene's meshes, drawn.
     Raster {
@@ -325,14 +336,23 @@ impl Plan {
         &mut self.passes[last]
     }
 
-    /// Adds a compute pass; what it touches is read from the shader.
+    /// Adds a compute pass, or over tiles a fragment pass where that suits the device; what it touches is read from the shader.
     pub fn compute(&mut self, name: &str, shader: &'static Shader, domain: Domain) -> &mut Pass {
-        let tiles = if let Domain::Tiles(list) = &domain { Some(list.clone()) } else { None };
-        let shader = shader.sampled.filter(|_| self.suit.loads == Loads::Sampled).unwrap_or(shader);
+        let as_suits = |s: &'static Shader| s.sampled.filter(|_| self.suit.loads == Loads::Sampled).unwrap_or(s);
+        let drawn = shader.fragment.filter(|_| self.suit.fragments.contains(&shader.stem));
         let [width, height] = self.suit.tile.sides();
-        let pass = self.pass(name, Work::Compute { shader, domain });
-        if let Some(list) = tiles {
-            pass.bind("tile_list", list).constant("TILE_X", width).constant("TILE_Y", height);
+        let (list, grid) = match &domain {
+            Domain::Threads(_) => return self.pass(name, Work::Compute { shader: as_suits(shader), domain }),
+            Domain::Tiles(list, grid) => (list.clone(), *grid),
+        };
+        let work = match drawn.map(as_suits) {
+            Some(shader) => Work::Fragments { shader, list: list.clone(), colors: Vec::new(), keep: false },
+            None => Work::Compute { shader: as_suits(shader), domain },
+        };
+        let pass = self.pass(name, work);
+        pass.bind("tile_list", list).constant("TILE_X", width).constant("TILE_Y", height);
+        if drawn.is_some() {
+            pass.constant("GRID", grid);
         }
         pass
     }

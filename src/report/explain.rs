@@ -183,7 +183,7 @@ fn pass_words(plan: &Plan, index: usize) -> PassWords {
         name: pass.name.clone(),
         domain: domain(pass),
         shaders: match &pass.work {
-            Work::Compute { shader, .. } => vec![shader.name],
+            Work::Compute { shader, .. } | Work::Fragments { shader, .. } => vec![shader.name],
             Work::Raster { vertex, fragment, .. } => {
                 std::iter::once(vertex.name).chain(fragment.map(|f| f.name)).collect()
             }
@@ -204,12 +204,10 @@ fn domain(pass: &Pass) -> String {
             let [x, y, _] = shader.workgroup;
             match domain {
                 Domain::Threads([w, h]) => format!("{w} x {h} threads in groups of {x} x {y}"),
-                Domain::Tiles(list) => {
-                    let side = |name| pass.constants.iter().find(|c| c.0 == name).map_or(0, |c| c.1);
-                    format!("the tiles listed in {list}, of {} x {}", side("TILE_X"), side("TILE_Y"))
-                }
+                Domain::Tiles(list, _) => tiles(pass, list),
             }
         }
+        Work::Fragments { list, .. } => format!("{}, a point each", tiles(pass, list)),
         Work::Raster { geometry: Geometry::Depth, .. } => "all meshes in one draw, positions alone".to_owned(),
         Work::Raster { geometry: Geometry::Inert, .. } => "meshes that do not scatter, positions alone".to_owned(),
         Work::Raster { geometry: Geometry::Materials, .. } => "meshes, a draw per material".to_owned(),
@@ -223,6 +221,11 @@ fn domain(pass: &Pass) -> String {
         Work::Update { bytes, .. } => format!("an update of {} bytes", bytes.len()),
         Work::Clear { .. } => "a clear".to_owned(),
     }
+}
+
+fn tiles(pass: &Pass, list: &str) -> String {
+    let side = |name| pass.constants.iter().find(|c| c.0 == name).map_or(0, |c| c.1);
+    format!("the tiles listed in {list}, of {} x {}", side("TILE_X"), side("TILE_Y"))
 }
 
 fn barrier_words(plan: &Plan, index: usize, name: &str, barrier: &Barrier) -> BarrierWords {

@@ -252,6 +252,7 @@ pub(in crate::report) mod tests {
             kind: "cpu",
             unusable: None,
             timestamp_period: 1.,
+            large_points: true,
         };
         let subject = Subject {
             scene: "shape:torus".to_owned(),

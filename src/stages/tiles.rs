@@ -10,12 +10,12 @@ const SURFACE: &str = "surface_tiles";
 
 /// Over the tiles of the picture that hold any surface.
 pub fn surface() -> Domain {
-    Domain::Tiles(SURFACE.to_owned())
+    Domain::Tiles(SURFACE.to_owned(), 1)
 }
 
 /// Over the scattering tiles on a grid of `stride` pixels.
 pub fn scattering(stride: u32) -> Domain {
-    Domain::Tiles(scatter(stride).to_owned())
+    Domain::Tiles(scatter(stride).to_owned(), stride)
 }
 
 fn scatter(stride: u32) -> &'static str {
