@@ -130,7 +130,7 @@ void main() {
         vec3 shade = vec3(1.);
         if (SHADOWS && light.layer >= 0) {
             seen = scatters ? shadow_disc(light, from, n, l, curvature, .5 * widths.w, TAPS, turn, mat3(frame.world_from_view))
-                            : shadow_visibility(light, from, facet, l, mat3(frame.world_from_view));
+                            : shadow_visibility(light, from, facet, l, mat3(frame.world_from_view), 0.);
             shade = TAPS > 1 && scatters ? penumbra_look_up(penumbra, seen, c) : vec3(seen);
         }
         vec3 lit = max(cosine, 0.), unscattered = max(dot(b, l), 0.) * seen * arriving;

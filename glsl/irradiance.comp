@@ -61,7 +61,7 @@ void main() {
         Light light = lights.light[i];
         vec3 arriving;
         vec3 l = light_arrives(light, p, arriving);
-        if (SHADOWS && light.layer >= 0) arriving *= shadow_visibility(light, at.position, at.normal, l, mat3(frame.world_from_view));
+        if (SHADOWS && light.layer >= 0) arriving *= shadow_visibility(light, at.position, at.normal, l, mat3(frame.world_from_view), z < 0. ? frame.sharp.w : 0.);
         diffuse += max(dot(n, l), 0.) * arriving;
         if (FINAL && SPECULAR) specular += gloss_light(gloss, n, v, l) * arriving;
     }

@@ -286,7 +286,7 @@ void main() {
             float sine = min(-c, .99);
             if (scatters && c < 0.) from += n * min((inversesqrt(1. - sine * sine) - 1.) / max(bend, 1e-9), 4. * kernel.entry[0].w);
 #endif
-            shade = shadow_visibility(light, from, at.normal, l, mat3(frame.world_from_view));
+            shade = shadow_visibility(light, from, at.normal, l, mat3(frame.world_from_view), scatters ? frame.sharp.w : 0.);
         }
         vec3 lit_here = vec3(slotted ? own : max(c, 0.) * shade), unscattered = lit_here;
 #if METHOD == 1

@@ -50,7 +50,7 @@ vec3 lit(vec3 color) {
         Light light = lights.light[i];
         vec3 irradiance;
         vec3 l = light_arrives(light, p, irradiance);
-        if (SHADOWS && light.layer >= 0) irradiance *= shadow_visibility(light, from, facet, l, mat3(frame.world_from_view));
+        if (SHADOWS && light.layer >= 0) irradiance *= shadow_visibility(light, from, facet, l, mat3(frame.world_from_view), 0.);
         arriving += max(dot(n, l), 0.) * irradiance;
         reflected += gloss_light(gloss, n, v, l) * irradiance;
     }

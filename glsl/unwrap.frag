@@ -42,7 +42,7 @@ void main() {
         Light light = lights.light[i];
         vec3 arriving;
         vec3 l = light_arrives(light, p, arriving);
-        if (SHADOWS && light.layer >= 0) arriving *= shadow_visibility(light, p, facet, l, mat3(frame.world_from_view));
+        if (SHADOWS && light.layer >= 0) arriving *= shadow_visibility(light, p, facet, l, mat3(frame.world_from_view), 0.);
         sum += max(dot(n, l), 0.) * arriving;
     }
     if (AMBIENT) sum += PI * (frame.ambient_mean + frame.ambient_slope * dot(n, frame.up)) * occlusion;

@@ -25,7 +25,7 @@ layout(set = 0, binding = 6, r32ui) uniform writeonly uimage2D litgeo;
 void main() {
     ivec2 pixel = tile_pixel();
     if (any(greaterThanEqual(pixel, frame.size))) return;
-    float z = abs(imageLoad(viewz, pixel).x);
+    float stored = imageLoad(viewz, pixel).x, z = abs(stored), narrow = stored < 0. ? frame.sharp.w : 0.;
     if (z == 0.) return;
     vec3 position = view_position(pixel, z);
     vec3 n = octahedral_decode(imageLoad(normal, pixel).x);
@@ -40,10 +40,16 @@ void main() {
         vec3 irradiance;
         vec3 l = light_arrives(light, position, irradiance);
         float c = max(dot(n, l), 0.);
-        float open = light.part * shadow_visibility(light, at.position, at.normal, l, mat3(frame.world_from_view));
+#if GEO
+        float bare = max(dot(at.normal, l), 0.);
+#else
+        float bare = 0.;
+#endif
+        if (c + bare == 0.) continue; // nothing times whatever the map says
+        float open = light.part * shadow_visibility(light, at.position, at.normal, l, mat3(frame.world_from_view), narrow);
         float v = c * open;
 #if GEO
-        float w = max(dot(at.normal, l), 0.) * open;
+        float w = bare * open;
         if (light.slot == 0) seen_bare.x += w; else seen_bare.y += w;
 #endif
         if (light.slot == 0) seen.x += v; else seen.y += v;

@@ -24,7 +24,7 @@ layout(set = 0, binding = 0, scalar) uniform FrameBlock {
     vec4 level[MAX_LEVELS];    // moments: weight rgb of the level's Gaussian; w: variance in mm^2
     vec4 share[MAX_LEVELS + 1];// pdss: per-channel share of level i - 1; entry 0 is the unblurred normal
     vec4 occlusion[MAX_LEVELS];// x: AO radius in units of length_mm, y: share of the level
-    vec4 sharp;                // weight rgb of all Gaussians narrower than a pixel
+    vec4 sharp;                // weight rgb of all Gaussians narrower than a pixel; w: mean sigma of those that nothing carries, mm
 } frame;
 
 // Ray through a pixel, view space, z = -1.

@@ -62,7 +62,7 @@ fn frame_block(inputs: &Inputs<'_>, s: &Setup, lut_knee: f32, sky: f32) -> Frame
     block.lut_knee = lut_knee;
     let four = |v: [f64; 3], w: f64| [v[0] as f32, v[1] as f32, v[2] as f32, w as f32];
     block.share[0] = four(s.levels.sharp, 0.);
-    block.sharp = four(s.levels.sharp, 0.);
+    block.sharp = four(s.levels.sharp, s.levels.narrow_mm);
     for (i, level) in s.levels.levels.iter().enumerate().take(MAX_LEVELS) {
         block.level[i] = four(level.weight, level.variance);
         block.share[i + 1] = four(level.share, 0.);

@@ -54,6 +54,8 @@ pub struct Levels {
     pub steps: Vec<Step>,
     /// Weight of what is narrower than a pixel (`moments`), or the unblurred normal's share (`pdss`).
     pub sharp: [f64; 3],
+    /// Mean sigma of the profile's Gaussians that project below a pixel, mm, for methods in which nothing else carries them; else 0.
+    pub narrow_mm: f64,
     /// Unit in which levels store curvature, mm.
     pub length_mm: f64,
     /// Variances that were asked for and project below a pixel.
@@ -69,6 +71,15 @@ pub struct Magnification {
     pub middle: f64,
 }
 
+/// Geometric mean of the sigmas that are narrower than `least` and above 0, by weight in all channels; 0 where there is none. Of a peak and
+/// its foot one Gaussian resembles the peak: the arithmetic mean is too wide for the edge of a shadow (glsl/README.md).
+fn mean_sigma(gaussians: &[Gaussian], least: f64) -> f64 {
+    let narrow = gaussians.iter().map(|g| (g.variance.sqrt(), g.weight.iter().sum::<f64>()));
+    let narrow = narrow.filter(|(sigma, weight)| *sigma > 0. && *sigma < least && *weight > 0.);
+    let (sum, weight) = narrow.fold((0., 0.), |(sum, all), (sigma, w)| (sum + w * sigma.ln(), all + w));
+    if weight > 0. { (sum / weight).exp() } else { 0. }
+}
+
 impl Levels {
     /// Decides the levels.
     pub fn new(profile: &Profile, settings: &Settings, pixels: Magnification) -> Levels {
@@ -76,7 +87,10 @@ impl Levels {
         let widest = fit.iter().map(|g| g.variance).fold(0., f64::max);
         // Whatever the profile, its own length makes curvature dimensionless; 1 mm where it has none.
         let length_mm = if widest > 0. { widest.sqrt() } else { 1. };
-        let mut out = Levels { length_mm, ..Levels::default() };
+        // The kernels of others hold the narrow ones, too.
+        let drops = matches!(settings.method, Method::Moments | Method::Gaussians);
+        let narrow_mm = if drops { mean_sigma(&fit, LEAST_SIGMA_PX / pixels.nearest) } else { 0. };
+        let mut out = Levels { length_mm, narrow_mm, ..Levels::default() };
         match settings.method {
             Method::Moments => out.per_gaussian(fit, most_levels(settings), pixels),
             Method::Pdss => out.per_channel(profile, widest, most_levels(settings), pixels),

@@ -40,6 +40,10 @@ struct Cast {
     part: f32,
 }
 
+/// Root of 1/6 + 1/16: the same threshold as in `glsl/common/shadow.glsl`. A texel of a light at a place is so much per mm of distance, and
+/// passes always: its pixels decide.
+const SOFT_TEXELS: f64 = 0.4787;
+
 const CASTS_NONE: Cast = Cast { layer: -1, texel_mm: 0., slot: -1, part: 1. };
 
 impl Shadows {
@@ -118,6 +122,11 @@ impl Shadows {
         let slotted = || self.lights.iter().zip(lights).filter(|(l, _)| l.slot >= 0);
         let parallel = slotted().all(|(_, light)| matches!(light.kind, LightKind::Directional { .. }));
         slotted().map(|(l, _)| l.texel_mm).reduce(f32::max).filter(|_| parallel)
+    }
+
+    /// Whether light that scatters so far (mm) softens the edges of some light's shadows more than a texel does.
+    pub fn softened(&self, narrow_mm: f64) -> bool {
+        self.lights.iter().filter(|l| l.layer >= 0).any(|l| narrow_mm > SOFT_TEXELS * f64::from(l.texel_mm))
     }
 
     /// Some light without a slot casts a shadow: lighting must look it up.

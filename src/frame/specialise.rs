@@ -13,6 +13,8 @@ impl Setup {
     /// Binds what a pass knows of the triangles, if it asks shadow maps and there is any.
     pub fn specialise_facets(&self, pass: &mut crate::plan::Pass, asks: bool) {
         let read = self.facets && asks;
+        let soft = asks && self.diffuses && self.shadows.softened(self.levels.narrow_mm);
+        pass.constant("SOFT", u32::from(soft));
         pass.constant("FACETS", u32::from(read));
         if !read {
             pass.absent("facet");
