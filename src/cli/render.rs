@@ -94,13 +94,18 @@ impl Render {
             return contact_sheet::draw(&self.view, &scenes, self.cell, self.supersample, &self.output);
         }
         let mut watch = Watch::default();
-        let (first, repeat) = match self.frames {
-            Frames::Still(count) => (self.view.load()?, count),
-            Frames::Sequence(first, _) => (self.at(first).load()?, 1),
+        let (start, repeat) = match self.frames {
+            Frames::Still(count) => (None, count),
+            Frames::Sequence(first, _) => (Some(self.at(first)), 1),
         };
-        watch.lap("scene");
-        let gpu = self.view.open()?;
-        watch.lap("device");
+        let (first, gpu) = std::thread::scope(|both| {
+            let open = both.spawn(|| self.view.open());
+            (start.as_ref().unwrap_or(&self.view).load(), open.join())
+        });
+        let gpu = gpu.map_err(|_| Failure::Run("opening the device failed".to_owned()))?;
+        // What is wrong with the input comes first.
+        let (first, gpu) = (first?, gpu?);
+        watch.lap("scene and device");
         match self.frames {
             Frames::Still(_) => self.draw(&gpu, first, format, repeat, &self.output, watch)?,
             Frames::Sequence(start, end) => {

@@ -34,7 +34,7 @@ impl Sweep {
         };
         match self {
             Sweep::Resolution => [0.25, 0.5, 0.75, 1.].map(|x| with(x, &|s| s.scale = x)).to_vec(),
-            Sweep::Coverage => [0., 0.35, 0.6, 0.75]
+            Sweep::Coverage => [0., 0.35, 0.6, 0.75, 0.95]
                 .map(|x| {
                     with(1. - x, &|s| {
                         s.aside = x;
