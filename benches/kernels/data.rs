@@ -9,7 +9,7 @@ use pdss::gpu::Gpu;
 use pdss::gpu::timing::TimingMode;
 use pdss::plan::Need;
 use pdss::scene::{Camera, Light, Scene};
-use pdss::settings::{Kernels, Method, Quality, Resolution, Settings, Size};
+use pdss::settings::{Kernels, Method, Quality, Resolution, Settings, Size, Spared};
 use pdss::skin::lut::Lut;
 use pdss::skin::profile::Profile;
 use pdss::skin::specular;
@@ -91,6 +91,8 @@ pub fn inputs(scene: &Scene, camera: Camera, method: Method, kernels: Kernels, s
             quality: Quality::High,
             resolution: Some(Resolution::Full),
             no_translucent: true,
+            // Convex shapes do without, and there would be nothing to measure.
+            no_elide: vec![Spared::Curvature, Spared::Occlusion],
             ..Settings::default()
         },
         timing: Some(TimingMode::Isolated),
