@@ -21,7 +21,7 @@ pub fn fragment(text: &str) -> Option<String> {
             continue;
         }
         // Who leaves before the end has stored nothing.
-        let leaves = line.contains("if") && words.last() == Some(&"return");
+        let leaves = words.first() == Some(&"if") && words.last() == Some(&"return") && !words.contains(&"imageStore");
         out += &if leaves { line.replace("return", "discard") } else { line.to_owned() };
         out.push('\n');
         if line.starts_with("#version") {

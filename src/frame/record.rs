@@ -217,7 +217,7 @@ pub fn record(
                 match domain {
                     Domain::Threads(threads) => open.dispatch_over(pipeline, *threads, &pass.push, find)?,
                     Domain::Tiles(list, _) => {
-                        open.dispatch_indirect(pipeline, (world.list(pass, list)?, 0), &pass.push, find)?;
+                        open.indirect(pipeline, (world.list(pass, list)?, 0), &pass.push, find)?;
                     }
                 }
             }
@@ -230,7 +230,7 @@ pub fn record(
                 };
                 let colors = colors.iter().map(target).collect::<Result<Vec<_>, GpuError>>()?;
                 open.render(&Attachments { colors: &colors, depth: None, keep: *keep });
-                open.draw_indirect(pipeline, (world.list(pass, list)?, 0), &pass.push, find)?;
+                open.indirect(pipeline, (world.list(pass, list)?, 0), &pass.push, find)?;
                 open.end_render();
             }
             Work::Raster { state, colors, depth, geometry, .. } => {

@@ -119,11 +119,11 @@ impl<'a> Pass<'a> {
         Ok(())
     }
 
-    /// Runs a compute pipeline over as many workgroups as the buffer says at `offset`.
+    /// Runs a pipeline over as many tiles as the buffer says at an offset: a workgroup each or, inside a rendering, a point each.
     ///
     /// # Errors
     /// Where a resource is missing or the push constants do not fit.
-    pub fn dispatch_indirect<'b>(
+    pub fn indirect<'b>(
         &mut self,
         pipeline: &Pipeline,
         arguments: (&Buffer, u64),
@@ -133,28 +133,15 @@ impl<'a> Pass<'a> {
         self.bind(pipeline, resources)?;
         self.push(pipeline, push)?;
         let r = &self.recorder;
-        // SAFETY: recording; the buffer holds a VkDispatchIndirectCommand at that offset.
-        unsafe { r.gpu.device.cmd_dispatch_indirect(r.commands, arguments.0.handle, arguments.1) };
-        self.last = vk::PipelineStageFlags2::COMPUTE_SHADER;
-        Ok(())
-    }
-
-    /// Draws as many points, one a tile, as the buffer says at `offset`: inside a rendering.
-    ///
-    /// # Errors
-    /// Where a resource is missing or the push constants do not fit.
-    pub fn draw_indirect<'b>(
-        &mut self,
-        pipeline: &Pipeline,
-        arguments: (&Buffer, u64),
-        push: &[u8],
-        resources: impl Fn(&str) -> Option<Bound<'b>>,
-    ) -> Result<(), GpuError> {
-        self.bind(pipeline, resources)?;
-        self.push(pipeline, push)?;
-        let r = &self.recorder;
-        // SAFETY: recording, inside a rendering; the buffer holds count, 1, 1, 0 at that offset: a VkDrawIndirectCommand, too.
-        unsafe { r.gpu.device.cmd_draw_indirect(r.commands, arguments.0.handle, arguments.1, 1, 16) };
+        let (buffer, offset) = (arguments.0.handle, arguments.1);
+        if pipeline.point == vk::PipelineBindPoint::GRAPHICS {
+            // SAFETY: recording, inside a rendering; the buffer holds count, 1, 1, 0 there, a VkDrawIndirectCommand, too.
+            unsafe { r.gpu.device.cmd_draw_indirect(r.commands, buffer, offset, 1, 16) };
+        } else {
+            // SAFETY: recording; the buffer holds a VkDispatchIndirectCommand at that offset.
+            unsafe { r.gpu.device.cmd_dispatch_indirect(r.commands, buffer, offset) };
+            self.last = vk::PipelineStageFlags2::COMPUTE_SHADER;
+        }
         Ok(())
     }
 

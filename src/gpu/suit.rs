@@ -99,7 +99,7 @@ impl Suit {
     /// What was measured to be fastest on a device. Lavapipe alone has been measured as yet: there an output costs a fifth of a store.
     /// Others store alike from both, and cards without a display draw slowly: they compute.
     pub fn of(device: &DeviceInfo) -> Suit {
-        let screen = if device.kind == "cpu" { Screen::Fragment } else { Screen::Compute };
+        let screen = if device.name.starts_with("llvmpipe") { Screen::Fragment } else { Screen::Compute };
         Suit { fragments: screen.fragments(), small_points: !device.large_points, ..Suit::default() }
     }
 }

@@ -24,7 +24,7 @@ pub fn same_bits(gpu: &Arc<Gpu>) -> Vec<Outcome> {
     let over_tiles = SCATTERING.into_iter().filter(|m| *m != Method::Preintegrated);
     for method in std::iter::once(Method::Lambert).chain(over_tiles) {
         let mut set = torus(method, View::Final);
-        set.settings.quality = Quality::Medium;
+        (set.settings.quality, set.settings.screen) = (Quality::Medium, Some(Screen::Compute));
         let plain = set.linear(gpu);
         for (tile, loads, kernels, screen) in &all[..if method == Method::Pdss { all.len() } else { 2 }] {
             let mut other = torus(method, View::Final);
